@@ -39,7 +39,7 @@ SPREAD := -n auto --dist worksteal
 PYTEST := PYTHONDONTWRITEBYTECODE= $(BIN)/python -m pytest $(if $(STRICT),-W error)
 
 # Rooms whose public functions have examples.
-EXAMPLES := $(addprefix src/rodgen/,scene loading native integrate analyse studies)
+EXAMPLES := $(addprefix src/rodgen/,scene loading native system integrate analyse studies result.py)
 
 N ?= 20
 BOUNDARY ?= free
@@ -112,7 +112,7 @@ PACKAGE := $(CURDIR)/build/package/$(if $(filter Windows_NT,$(OS)),Scripts,bin)/
 .check-package:
 	$(PYTHON) -m venv --clear build/package
 	$(PACKAGE) -m pip install --quiet .
-	cd build && rm -f first.toml && $(PACKAGE) -m rodgen new first --from missile && $(PACKAGE) -m rodgen run first.toml --target numpy
+	cd build && rm -f first.toml && $(PACKAGE) -m rodgen new first --like missile && $(PACKAGE) -m rodgen run first.toml --target numpy
 	cd build && $(PACKAGE) -m rodgen critical --help > /dev/null
 
 # Other tools, which the extra dev has not: their tests are skipped elsewhere.

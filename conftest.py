@@ -145,12 +145,14 @@ def make_scene() -> Callable[..., Scene]:
                 **(rod or {}),
             },
             "loads": {
-                TERMS[term].table: copy.deepcopy(LOADS[term]) for term in terms if TERMS[term].loads
+                TERMS[term].table: copy.deepcopy(LOADS[term])
+                for term in terms
+                if TERMS[term].is_load
             },
             **{
                 TERMS[term].table: copy.deepcopy(LOADS[term])
                 for term in terms
-                if not TERMS[term].loads
+                if not TERMS[term].is_load
             },
             "initial": {"phi": "0.4*cos(pi*s)", "omega": "0.5*s", **(initial or {})},
             "integrate": {"span": [0.0, 1.0], "rtol": 1e-10, "atol": 1e-12, **integrate},

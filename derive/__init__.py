@@ -2,13 +2,13 @@
 
     symbols      the letters of the model, and the quantities along the chain
     chain        kinematics, written once
-    inertia      how the mass of a link is spread along it
+    inertia      distribution of the mass of a link along it
     explicit_chain, generic_chain   n links, and any number of them, before their loads
     loads/       a file a load: its law, its closed form; kinds: what follows from it
     explicit     derivation 1: LagrangesMethod with n links
     general      derivation 2: for every n at once; what is emitted comes from here
-    joint_forces derivation 3: joints as constraints, in O(n); tensions: where links are massless
-    quantities   energies, power and geometry, for every n
+    joint_force_system   derivation 3: joints as constraints, in O(n); tensions: massless links
+    energies     energies, power and geometry, for every n
     closed_form  the hand-assembled matrices, only ever compared with
     proofs/      the comparisons, entry by entry and at rational points
 

@@ -31,39 +31,39 @@ LINEAR = k * bend
 
 @cache
 def spring_energy(law: Expr) -> Expr:
-    """Energy of a spring that is bent by d, by the law of its moment [J]; an Integral is left in it
-    where SymPy has no rule."""
+    """Energy [J] of a spring bent by d: the integral of its moment's law over d, left as an
+    Integral where SymPy has no rule."""
     found = integrate(law, bend, manual=True)
     return found - found.subs(bend, 0)
 
 
 def spring_moment(before: Expr, after: Expr, stiffness: Expr, law: Expr = LINEAR) -> Expr:
-    """Moment of the rotary spring between two links at these angles on the link before [N m]; the
+    """Moment [N m] of the rotary spring between two links at these angles on the link before; the
     link after gets the opposite."""
     return law.xreplace({bend: after - before, k: stiffness}) if stiffness != 0 else S.Zero
 
 
 def spring_potential(before: Expr, after: Expr, stiffness: Expr = k, law: Expr = LINEAR) -> Expr:
-    """Energy of that spring [J] (thesis 2.19)."""
+    """Energy [J] of the rotary spring between two links at these angles (thesis 2.19)."""
     return spring_moment(before, after, stiffness, spring_energy(law))
 
 
 def lever(place: str, xi: Expr) -> Expr:
-    """Length that a link contributes to the way from joint 0 to the point [m]."""
+    """Length [m] along a link that the path from joint 0 to a point covers."""
     return {BEFORE: l, OWN: xi * l, AFTER: S.Zero}[place]
 
 
-def side(place: str, eta: Expr) -> Expr:
-    """Length across a link that it contributes to the way from joint 0 to the point [m]."""
+def side_lever(place: str, eta: Expr) -> Expr:
+    """Length [m] across a link that the path from joint 0 to a point covers."""
     return eta * l if place == OWN else S.Zero
 
 
-def across(angle: Expr) -> Expr:
-    """The angle of what stands across a link of this angle."""
+def normal_angle(angle: Expr) -> Expr:
+    """Angle of the normal to a link at this angle."""
     return angle + pi / 2
 
 
-def place(link: int, carrier: int) -> str:
+def relative_place(link: int, carrier: int) -> str:
     """Where ``link`` stands relative to the link ``carrier``."""
     return BEFORE if link < carrier else OWN if link == carrier else AFTER
 
@@ -86,8 +86,8 @@ def combine(origin: Vector, levers: Sequence[Expr], angles: Sequence[Expr]) -> V
 def position(
     origin: Vector, angles: Sequence[Expr], carrier: int, xi: Expr, eta: Expr = S.Zero
 ) -> Vector:
-    """r(carrier, xi) for given coordinates, and eta of the link beside it; joint s is (s, 0), the
-    tail is (n-1, 1)."""
-    levers = [lever(place(q, carrier), xi) for q in range(carrier + 1)]
-    ways = [*levers, side(OWN, eta)]
-    return combine(origin, ways, [*angles[: carrier + 1], across(angles[carrier])])
+    """Position of the point at xi of link ``carrier`` and, beside it, at eta of its length; joint s
+    is (s, 0), the tail is (n-1, 1)."""
+    levers = [lever(relative_place(q, carrier), xi) for q in range(carrier + 1)]
+    ways = [*levers, side_lever(OWN, eta)]
+    return combine(origin, ways, [*angles[: carrier + 1], normal_angle(angles[carrier])])

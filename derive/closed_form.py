@@ -26,7 +26,7 @@ Pair = tuple[Num, Num]
 
 @dataclass(frozen=True)
 class Arithmetic:
-    """What the closed form is computed with.
+    """Arithmetic in which the closed form is computed.
 
     cos, sin: of an angle or of sums of angles; half: the number 1/2; total: total(term, low,
     high) sums term(index) over low <= index <= high.
@@ -45,9 +45,9 @@ def link_sizes(mass: Num, length: Num, bending_stiffness: Num, n: Num) -> tuple[
 
 
 @dataclass(frozen=True)
-class Links:
-    """Of a link by its number: its mass, its centre of gravity along and across it, and the mean
-    square distance of its mass from its start, over its length."""
+class LinkMasses:
+    """Mass properties of links by number: mass, centre of gravity along and across the link, and
+    mean square distance of the mass from the start of the link, in lengths of the link."""
 
     mass: Callable[[Num], Num]
     along: Callable[[Num], Num]
@@ -55,21 +55,21 @@ class Links:
     second: Callable[[Num], Num]
 
 
-def differing_links(
-    uneven: Collection[str], of: Callable[[str], Any], lumped: bool, half: Num
-) -> Links | None:
-    """Links that differ in mass, by their parameters; None where they do not. half: the number."""
-    if not {"mass", "bodies", "points"} & {*uneven}:
+def link_masses(
+    nonuniform: Collection[str], of: Callable[[str], Any], lumped: bool, half: Num
+) -> LinkMasses | None:
+    """Mass properties of links that differ, from their parameters, else None. half: the number."""
+    if not {"mass", "bodies", "points"} & {*nonuniform}:
         return None
     mass, nothing = of("link_mass").__getitem__, 0 * half
-    if "mass" in uneven:
+    if "mass" in nonuniform:
         second = half if lumped else 2 * half / 3
-        return Links(mass, lambda _: half, lambda _: nothing, lambda _: second)
+        return LinkMasses(mass, lambda _: half, lambda _: nothing, lambda _: second)
     a = of("link_centre_along")
-    if "points" in uneven:  # at both ends of the link
-        return Links(mass, a.__getitem__, lambda _: nothing, a.__getitem__)
+    if "points" in nonuniform:  # at both ends of the link
+        return LinkMasses(mass, a.__getitem__, lambda _: nothing, a.__getitem__)
     b, s_aa, s_bb = map(of, ("link_centre_across", "link_spread_along", "link_spread_across"))
-    return Links(
+    return LinkMasses(
         mass,
         a.__getitem__,
         b.__getitem__,
@@ -81,7 +81,7 @@ def differing_links(
 class ClosedForm:
     """Entries and matrices of a rod of n links of mass m, length l, springs k.
 
-    phi: all angles, held ones included; hold: how the start is held; lumped: half the mass of a
+    phi: all angles, held ones included; boundary: how the ends are held; lumped: half the mass of a
     link at each of its ends, not spread along it; stiffness: of every joint with a spring by its
     number, where they differ; links_differ: the mass of every link, where they differ.
     """
@@ -91,11 +91,11 @@ class ClosedForm:
     l: Num
     k: Num
     phi: Sequence[Num]
-    hold: Boundary
+    boundary: Boundary
     arithmetic: Arithmetic
     lumped: bool = False
     stiffness: Any = None
-    links_differ: Links | None = None
+    links_differ: LinkMasses | None = None
 
     # Entries -------------------------------------------------------------------------------
 
@@ -113,24 +113,24 @@ class ClosedForm:
 
     @property
     def total_mass(self) -> Num:
-        """n m, or the sum of all links."""
+        """Total mass: n m, or the sum over links that differ."""
         if self.links_differ is None:
             return self.n * self.m
         return self.arithmetic.total(self.links_differ.mass, 0, self.n - 1)
 
-    def behind(self, i: Num) -> Num:
+    def mass_behind(self, i: Num) -> Num:
         """Mass of the links after link i, where they differ."""
         assert self.links_differ is not None
         return self.arithmetic.total(self.links_differ.mass, i + 1, self.n - 1)
 
-    def first(self, i: Num) -> Pair:
-        """Sums over all mass of what link i is of its lever, over l: along it (m/2) w_i, since a
-        link has its centre in its middle, and across it."""
+    def first_moment(self, i: Num) -> Pair:
+        """Integrals over all mass of its levers along and across link i, over l; the first is
+        (m/2) w_i and the second zero where links do not differ."""
         links = self.links_differ
         if links is None:
             return self.arithmetic.half * self.m * self.w(i), 0 * self.m
         m = links.mass(i)
-        return m * links.along(i) + self.behind(i), m * links.across(i)
+        return m * links.along(i) + self.mass_behind(i), m * links.across(i)
 
     def M_base(self) -> Num:
         """M_00 = M_11 = (m/2) 2n (thesis 2.24, 2.25)."""
@@ -138,7 +138,7 @@ class ClosedForm:
 
     def M_base_link(self, i: Num) -> Pair:
         """M_0i, M_1i = (m/2) l w_i (-sin phi_i, cos phi_i) (thesis 2.24, 2.25)."""
-        along, across = self.first(i)
+        along, across = self.first_moment(i)
         c, s = self.cos(self.phi[i]), self.sin(self.phi[i])
         return -self.l * (along * s + across * c), self.l * (along * c - across * s)
 
@@ -147,7 +147,7 @@ class ClosedForm:
         mass of link i at its end, a half in place of the third."""
         if self.links_differ is not None:
             own = self.links_differ.mass(i) * self.links_differ.second(i)
-            return self.l**2 * (own + self.behind(i))
+            return self.l**2 * (own + self.mass_behind(i))
         if self.lumped:
             return self.arithmetic.half * self.m * self.l**2 * self.w(i)
         two_thirds = self.arithmetic.half * 4 / 3
@@ -155,7 +155,7 @@ class ClosedForm:
 
     def M_link_link(self, i: Num, j: Num, later: Num) -> Num:
         """M_ij = (m/2) l^2 w_max(i,j) cos(phi_i - phi_j) (thesis 2.26 with all its links)."""
-        along, across = self.first(later)
+        along, across = self.first_moment(later)
         turned = along * self.cos(self.phi[i] - self.phi[j])
         if self.links_differ is not None:
             earlier = i if later == j else j
@@ -164,13 +164,13 @@ class ClosedForm:
 
     def Q_base_link(self, j: Num) -> Pair:
         """Q_0j, Q_1j = (m/2) l w_j (cos phi_j, sin phi_j) (thesis 2.27, 2.28)."""
-        along, across = self.first(j)
+        along, across = self.first_moment(j)
         c, s = self.cos(self.phi[j]), self.sin(self.phi[j])
         return self.l * (along * c - across * s), self.l * (along * s + across * c)
 
     def Q_link_link(self, i: Num, j: Num, later: Num) -> Num:
         """Q_ij = (m/2) l^2 w_max(i,j) sin(phi_j - phi_i) (thesis 2.44, its weights put right)."""
-        along, across = self.first(later)
+        along, across = self.first_moment(later)
         turned = along * self.sin(self.phi[j] - self.phi[i])
         if self.links_differ is not None:
             sign = 1 if later == j else -1
@@ -178,44 +178,44 @@ class ClosedForm:
         return self.l**2 * turned
 
     @property
-    def root(self) -> int:
-        """How many inner joints the root is as stiff and as damped as."""
-        return ROOT if self.hold.root else 0
+    def root_size(self) -> int:
+        """Size of the spring and damper in the root, in those of an inner joint."""
+        return ROOT if self.boundary.root else 0
 
     @property
-    def tail(self) -> int:
-        """How many inner joints the spring in the tail is as stiff and as damped as."""
-        return self.hold.tail
+    def tail_size(self) -> int:
+        """Size of the spring and damper in the tail, in those of an inner joint."""
+        return self.boundary.tail
 
-    def spring(self, at: Num, size: int) -> Num:
-        """Stiffness of the spring in a joint; where they do not differ, that of so many inner
-        joints."""
+    def spring_stiffness(self, at: Num, size: int) -> Num:
+        """Stiffness of the spring in joint ``at``; where joints do not differ, ``size`` times that
+        of an inner joint."""
         if self.stiffness is None or not size:
             return size * self.k
         return self.stiffness[at]
 
     def bending_row(self, start: Num, end: Num) -> tuple[Num, Num, Num]:
-        """Row of K or D_i of a link by what the joints at its start and end have: coefficients of
-        the link before (at the root the clamp), of itself, and of the link after (thesis 2.42,
-        2.52)."""
+        """Row of K or D_i of a link, from the coefficients of the joints at its start and end:
+        columns of the link before (at the root the clamp), of itself, and of the link after (thesis
+        2.42, 2.52)."""
         return -start, start + end, -end
 
-    def turning(self, i: Num, force: Pair) -> Num:
-        """What a force at the end of link i, or behind it, does to its angle:
-        l (cos phi_i F_y - sin phi_i F_x)."""
+    def force_moment(self, i: Num, force: Pair) -> Num:
+        """Generalised force on the angle of link i by a force at its end or behind it: l (cos phi_i
+        F_y - sin phi_i F_x)."""
         return self.l * (self.cos(self.phi[i]) * force[1] - self.sin(self.phi[i]) * force[0])
 
-    def arm(self, i: Num, link: Num, share: Num) -> Num:
-        """How much of link i leads to a point: all of the links before that of the point, of its
-        own a share."""
+    def lever_share(self, i: Num, link: Num, share: Num) -> Num:
+        """Share of link i that lies before a point: 1 for links before that of the point, ``share``
+        for its own link, else 0."""
         return 1 if i < link else share if i == link else 0
 
     def total(self, of: Any, low: Num, high: Num) -> Num:
-        """Sum of what is found in ``of`` from low to high."""
+        """Sum of the elements of ``of`` from low to high."""
         return self.arithmetic.total(of.__getitem__, low, high)
 
     def joint_step(self, i: Num) -> Pair:
-        """From joint i to joint i + 1: l (cos phi_i, sin phi_i)."""
+        """Vector from joint i to joint i + 1: l (cos phi_i, sin phi_i)."""
         return self.l * self.cos(self.phi[i]), self.l * self.sin(self.phi[i])
 
     def velocity_step(self, i: Num, omega: Num) -> Pair:
@@ -229,7 +229,7 @@ class ClosedForm:
     @property
     def links(self) -> range:
         """The links that move."""
-        return range(self.hold.first, self.n)
+        return range(self.boundary.first, self.n)
 
     def M(self) -> list[list[Num]]:
         """Mass matrix; columns as rows."""
@@ -237,7 +237,7 @@ class ClosedForm:
             [self.M_link(i) if i == j else self.M_link_link(i, j, max(i, j)) for j in self.links]
             for i in self.links
         ]
-        if not self.hold.translates:
+        if not self.boundary.translates:
             return rows
         zero = 0 * self.m
         x, y = zip(*map(self.M_base_link, self.links), strict=True)
@@ -245,32 +245,34 @@ class ClosedForm:
         return top + [[x[r], y[r], *row] for r, row in enumerate(rows)]
 
     def Q(self) -> list[list[Num]]:
-        """Factors of the squared rates; columns are the moving links."""
+        """Matrix of factors of the squared rates; columns are the moving links."""
         rows = [
             [0 * self.m if i == j else self.Q_link_link(i, j, max(i, j)) for j in self.links]
             for i in self.links
         ]
-        if not self.hold.translates:
+        if not self.boundary.translates:
             return rows
         return [*map(list, zip(*map(self.Q_base_link, self.links), strict=True)), *rows]
 
     def K(self) -> list[list[Num]]:
-        """Columns are all links, a held one too; before and behind them clamp_angle, where a spring
-        in the root or in the tail holds a link at it."""
-        return self._bending(self.spring, range(-1 if self.root else 0, self.n + bool(self.tail)))
+        """Stiffness matrix; columns are all links, a held one too, and clamp_angle before and
+        behind them where a spring in the root or in the tail holds a link at it."""
+        return self._bending_rows(
+            self.spring_stiffness, range(-1 if self.root_size else 0, self.n + bool(self.tail_size))
+        )
 
     def damping(self, factor: Callable[[Num, int], Num]) -> list[list[Num]]:
-        """D_i of joints that are damped by so much, by number and size; columns are the moving
+        """Matrix D_i, from the coefficient of each joint by number and size; columns are the moving
         links, since a held link and a clamp have no rate."""
-        return self._bending(factor, self.links)
+        return self._bending_rows(factor, self.links)
 
-    def _bending(self, of: Callable[[Num, int], Num], columns: range) -> list[list[Num]]:
-        """Rows of links that are bent or damped by so much at a joint of a size."""
+    def _bending_rows(self, of: Callable[[Num, int], Num], columns: range) -> list[list[Num]]:
+        """Rows of K or D_i, from the coefficient of each joint by number and size."""
         zero = 0 * self.k
-        rows = [[zero for _ in columns] for _ in range(2 * self.hold.translates)]
+        rows = [[zero for _ in columns] for _ in range(2 * self.boundary.translates)]
         for i in self.links:
-            end = 1 if i < self.n - 1 else self.tail
-            row = self.bending_row(of(i, 1 if i else self.root), of(i + 1, end))
+            end = 1 if i < self.n - 1 else self.tail_size
+            row = self.bending_row(of(i, 1 if i else self.root_size), of(i + 1, end))
             entries = dict(zip((i - 1, i, i + 1), row, strict=True))
             rows.append([entries.get(j, zero) for j in columns])
         return rows

@@ -12,10 +12,10 @@ from sympy import Add, Expr, Mul, S
 from sympy.physics.mechanics import LagrangesMethod
 from sympy.polys.rings import PolyElement
 
-from .calculus import TIME, PolynomialMatrix
 from .chain import spring_potential
 from .explicit_chain import ExplicitChain
 from .loads import LOADS, loads_of
+from .polynomials import TIME, PolynomialMatrix
 
 PolyMatrix = list[list[PolyElement]]
 
@@ -40,11 +40,13 @@ class ExplicitDerivation(ExplicitChain):
 
     @cached_property
     def kinetic_energy(self) -> PolyElement:
-        """Half the squared velocity over all mass, link by link, collected."""
+        """Kinetic energy: half the squared velocity over all mass, link by link, in normal form."""
         total = self.calculus.zero
         for link, (x, y) in enumerate(self.link_points):
-            total += self.over_link(self.rate(x) ** 2 + self.rate(y) ** 2, link)
-        return self.calculus.normal(total) * self.calculus.poly(S.Half)
+            total += self.integrate_over_link(
+                self.time_derivative(x) ** 2 + self.time_derivative(y) ** 2, link
+            )
+        return self.calculus.normal_form(total) * self.calculus.poly(S.Half)
 
     @cached_property
     def spring_energy(self) -> PolyElement:
@@ -67,30 +69,30 @@ class ExplicitDerivation(ExplicitChain):
     @cached_property
     def mass_matrix(self) -> PolyMatrix:
         rows = self.lagranges_method.mass_matrix.rows
-        return [[self.calculus.normal(e) for e in row] for row in rows]
+        return [[self.calculus.normal_form(e) for e in row] for row in rows]
 
     @cached_property
     def _forcing(self) -> list[dict[str, dict[Expr, PolyElement]]]:
-        """Rows of the loadless forcing, split into omega_j^2, phi_j and what must not be left."""
+        """Rows of the loadless forcing, split into factors of omega_j^2, of phi_j, and the rest."""
         rates = [q.diff(TIME) for q in self.coordinates]
         parts = []
         for (row,) in self.lagranges_method.forcing.rows:
             split = self.calculus.coefficients(
-                self.calculus.normal(row), rates + self.bending_angles
+                self.calculus.normal_form(row), rates + self.spring_angles
             )
-            parts.append(self._sort(split, rates))
+            parts.append(self._sort_terms(split, rates))
         return parts
 
     @cached_property
-    def bending_angles(self) -> list[Expr]:
-        """Angles that springs know, each once: the columns of K."""
+    def spring_angles(self) -> list[Expr]:
+        """Angles at the ends of springs, each once: the columns of K."""
         return list(dict.fromkeys(self.bent))
 
-    def _sort(
+    def _sort_terms(
         self, split: Mapping[tuple[int, ...], PolyElement], rates: list[Expr]
     ) -> dict[str, dict[Expr, PolyElement]]:
         out: dict[str, dict[Expr, PolyElement]] = {"squares": {}, "angles": {}, "other": {}}
-        names = rates + self.bending_angles
+        names = rates + self.spring_angles
         for powers, coefficient in split.items():
             factors = [(name, power) for name, power in zip(names, powers, strict=True) if power]
             match factors:
@@ -113,21 +115,21 @@ class ExplicitDerivation(ExplicitChain):
         """K: minus the coefficient of phi_j in every row, a clamped angle included (once, where
         both ends are held at it)."""
         rows = [row["angles"] for row in self._forcing]
-        return [[-row.get(a, self.calculus.zero) for a in self.bending_angles] for row in rows]
+        return [[-row.get(a, self.calculus.zero) for a in self.spring_angles] for row in rows]
 
     @cached_property
     def remainder(self) -> list[dict[Expr, PolyElement]]:
-        """What of the loadless forcing is in neither Q nor K: must be empty."""
+        """Terms of the loadless forcing in neither Q nor K, by row: must be empty."""
         return [row["other"] for row in self._forcing]
 
     def load(self, term: str) -> list[PolyElement]:
-        """Generalised forces of a load, one for every coordinate; of a kind of damping too."""
+        """Generalised forces of a load or a kind of damping, one for every coordinate."""
         totals = [self.calculus.zero for _ in self.coordinates]
-        for row in self.loads[term].rows(self):
+        for row in self.loads[term].explicit_forces(self):
             totals = [a + b for a, b in zip(totals, row, strict=True)]
-        return [self.calculus.normal(e) for e in totals]
+        return [self.calculus.normal_form(e) for e in totals]
 
-    def by_rates(self, column: list[PolyElement]) -> PolyMatrix:
+    def rate_coefficients(self, column: list[PolyElement]) -> PolyMatrix:
         """Factors of the moving links' rates in generalised forces that are linear in them."""
         rates = [a.diff(TIME) for a in self.moving]
         unit = [tuple(int(a == b) for b in rates) for a in rates]

@@ -1,4 +1,4 @@
-"""A chain of n links in polynomials: places, means over its mass, springs, virtual work."""
+"""A chain of n links in polynomials: positions, means over its mass, springs, virtual work."""
 
 from dataclasses import dataclass
 from functools import cached_property
@@ -11,9 +11,9 @@ from sympy.polys.rings import PolyElement
 
 from rodgen.model.rod import BOUNDARIES
 
-from .calculus import TIME, Calculus
 from .chain import position
-from .rod import Joint, Rod, centre, spread
+from .link_properties import Joint, Rod, centre, spread
+from .polynomials import TIME, Calculus
 from .symbols import ALPHA, eta, k, l, m, xi
 
 
@@ -24,35 +24,43 @@ class ExplicitChain:
     n: int
     boundary: str = "free"
     inertia: str = "uniform"
-    uneven: tuple[str, ...] = ()
+    nonuniform: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
-        hold = BOUNDARIES[self.boundary]
-        moving = list(dynamicsymbols(f"phi{hold.first}:{self.n}", real=True))
-        self.angles: list[Expr] = [ALPHA] * hold.first + moving
+        boundary_condition = BOUNDARIES[self.boundary]
+        moving = list(dynamicsymbols(f"phi{boundary_condition.first}:{self.n}", real=True))
+        self.angles: list[Expr] = [ALPHA] * boundary_condition.first + moving
         # Every angle that a spring knows, and the springs between them.
-        root, tail = ([size] if size else [] for size in (hold.root, hold.tail))
+        root, tail = (
+            [size] if size else [] for size in (boundary_condition.root, boundary_condition.tail)
+        )
         self.bent = [ALPHA] * len(root) + self.angles + [ALPHA] * len(tail)
-        self.rod = Rod(self.inertia, self.uneven)
-        sizes = zip(hold.springs(self.n), [*root, *([1] * (self.n - 1)), *tail], strict=True)
+        self.rod = Rod(self.inertia, self.nonuniform)
+        sizes = zip(
+            boundary_condition.spring_joints(self.n),
+            [*root, *([1] * (self.n - 1)), *tail],
+            strict=True,
+        )
         self.joints = [self.rod.joint(at, size) for at, size in sizes]
-        self.base: list[Expr] = list(dynamicsymbols("x0 y0", real=True)) if hold.translates else []
+        self.base: list[Expr] = (
+            list(dynamicsymbols("x0 y0", real=True)) if boundary_condition.translates else []
+        )
         self.coordinates: list[Expr] = self.base + moving
         self.moving = moving
-        self.first_joint = hold.first_joint
-        held = [ALPHA] if hold.clamped else []
+        self.first_joint = boundary_condition.first_joint
+        held = [ALPHA] if boundary_condition.is_clamped else []
         # What all that is computed is polynomial in, and angles; loads add theirs.
         self.constants, self.turning = [m, l, k, xi], [*moving, *held]
-        self.constants += [eta] if self.rod.sided else []
+        self.constants += [eta] if self.rod.has_offset_mass else []
         differing = [joint.stiffness for joint in self.joints]
         differing += map(self.rod.mass, range(self.n))
-        if "bodies" in self.uneven or "points" in self.uneven:
+        if "bodies" in self.nonuniform or "points" in self.nonuniform:
             differing += [base[q] for q in range(self.n) for base in (*centre, *spread)]
         self.constants += [e for e in differing if e.is_Indexed]
 
     @cached_property
     def calculus(self) -> Calculus:
-        """Ring of all polynomials here."""
+        """Ring of all polynomials of the chain."""
         return Calculus(self.coordinates, self.turning, self.constants)
 
     def point(
@@ -67,17 +75,17 @@ class ExplicitChain:
         """Position of joint s: the start of link s, for the tail the end of the last link."""
         return self.point(s, S.Zero) if s < self.n else self.point(self.n - 1, S.One)
 
-    def rate(self, poly: PolyElement) -> PolyElement:
+    def time_derivative(self, poly: PolyElement) -> PolyElement:
         """Time derivative."""
         return self.calculus.diff(poly, TIME)
 
-    def over_link(self, poly: PolyElement, link: int) -> PolyElement:
+    def integrate_over_link(self, poly: PolyElement, link: int) -> PolyElement:
         """Integral over the mass of a link."""
         return self.calculus.poly(self.rod.mass(link)) * self.mean(poly, link)
 
     def mean(self, poly: PolyElement, link: int = 0) -> PolyElement:
         """Mean over the mass of a link: powers of xi, and of eta beside it, become moments."""
-        places = [xi, eta] if self.rod.sided else [xi]
+        places = [xi, eta] if self.rod.has_offset_mass else [xi]
         parts = self.calculus.coefficients(poly, places)
         return sum(
             (self._moment(powers, link) * c for powers, c in parts.items()),
@@ -90,8 +98,8 @@ class ExplicitChain:
 
     @cached_property
     def link_points(self) -> list[tuple[PolyElement, PolyElement]]:
-        """The point at xi of every link, and at eta beside it where there is mass."""
-        beside = eta if self.rod.sided else S.Zero
+        """Position of the point at xi of every link, and at eta beside it where there is mass."""
+        beside = eta if self.rod.has_offset_mass else S.Zero
         return [self.point(link, xi, beside) for link in range(self.n)]
 
     @property

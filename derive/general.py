@@ -26,7 +26,6 @@ from sympy import (
 )
 from sympy.physics.mechanics import dynamicsymbols
 
-from .calculus import TIME
 from .chain import (
     AFTER,
     BEFORE,
@@ -39,7 +38,8 @@ from .chain import (
 )
 from .generic_chain import GenericChain
 from .loads import loads_of
-from .loads.kinds import JointMoment, Load, Work
+from .loads.kinds import GeneralisedForces, JointMoment, Load
+from .polynomials import TIME
 from .symbols import (
     ALPHA,
     Array,
@@ -71,7 +71,7 @@ from .symbols import (
 
 
 @dataclass(frozen=True)
-class Equations(GenericChain):
+class GeneralEquations(GenericChain):
     """M v' = Q omega^2 + moments across the joints + work of the loads, for any n.
 
     Entries are functions of the indices i, j (links), later = max(i, j), s (inner joints); the
@@ -82,7 +82,7 @@ class Equations(GenericChain):
     boundary: str
     inertia: str
     terms: tuple[str, ...]
-    uneven: tuple[str, ...] = ()
+    nonuniform: tuple[str, ...] = ()
     law: Expr = LINEAR
 
     @cached_property
@@ -91,18 +91,18 @@ class Equations(GenericChain):
         return loads_of(self.terms)
 
     @property
-    def dragged(self) -> bool:
-        """Whether a load follows the velocities of the joints."""
+    def has_velocity_loads(self) -> bool:
+        """Whether a load depends on the velocities of the joints."""
         return any(load.by_velocity for load in self.loads.values())
 
     @property
-    def anchored(self) -> bool:
-        """Whether a load follows the positions of the joints."""
+    def has_position_loads(self) -> bool:
+        """Whether a load depends on the positions of the joints."""
         return any(load.by_position for load in self.loads.values())
 
     # Inertia ---------------------------------------------------------------------------------
 
-    def _over_mass(self, entry: Expr) -> Expr:
+    def _integrate_over_mass(self, entry: Expr) -> Expr:
         """An entry of the generic mass point, summed over the mass of the chain."""
         generic, total = self._generic, S.Zero
         poly = Poly(expand(entry / generic.mu), *generic.a, *generic.b)
@@ -110,21 +110,21 @@ class Equations(GenericChain):
             along, aside = powers[:2], powers[2:] or (0, 0)
             used = [of for of in zip((i, j), along, aside, strict=True) if any(of[1:])]
             columns = map(list, zip(*used, strict=True)) if used else ([], [])
-            total += self.lever_mass(*columns) * coefficient
+            total += self.lever_moment(*columns) * coefficient
         return total.xreplace(dict(zip(generic.angles, (phi[i], phi[j]), strict=True)))
 
-    def _symmetric(self, matrix: list[list[Expr]], offset: int, sign: int = 1) -> Expr:
-        """The entry of two links as one expression in i, j and the later of them; where links
-        differ in mass, that of links i < j, whose mirror image has the sign."""
-        upper = self._over_mass(matrix[2][offset + 1])
-        lower = self._over_mass(matrix[3][offset])
-        if self.rod.heavy:
+    def _pair_entry(self, matrix: list[list[Expr]], offset: int, sign: int = 1) -> Expr:
+        """Entry of two links as one expression in i, j and the later of them; where links differ in
+        mass, for links i < j alone, its mirror image being ``sign`` times it."""
+        upper = self._integrate_over_mass(matrix[2][offset + 1])
+        lower = self._integrate_over_mass(matrix[3][offset])
+        if self.rod.has_link_masses:
             if expand(upper - sign * lower) != 0:
                 raise ArithmeticError(f"entries {upper} and {lower} are no mirror images")
             return upper
         swap = {i: j, j: i}
-        one = _relabel(upper, {j: later})
-        two = _relabel(lower.xreplace(swap), {i: later})
+        one = _rename_indices(upper, {j: later})
+        two = _rename_indices(lower.xreplace(swap), {i: later})
         if expand(one - two) != 0:
             raise ArithmeticError(f"entries above and below the diagonal differ: {one}, {two}")
         return one
@@ -132,69 +132,75 @@ class Equations(GenericChain):
     @cached_property
     def mass_base(self) -> Expr:
         """M_00 = M_11."""
-        return self._over_mass(self._generic.mass[0][0])
+        return self._integrate_over_mass(self._generic.mass[0][0])
 
     @cached_property
     def mass_base_link(self) -> Vector:
         """M_0i and M_1i."""
-        return self._over_mass(self._generic.mass[0][2]), self._over_mass(self._generic.mass[1][2])
+        return self._integrate_over_mass(self._generic.mass[0][2]), self._integrate_over_mass(
+            self._generic.mass[1][2]
+        )
 
     @cached_property
     def mass_link(self) -> Expr:
         """M_ii."""
-        return self._over_mass(self._generic.mass[2][2])
+        return self._integrate_over_mass(self._generic.mass[2][2])
 
     @cached_property
     def mass_link_link(self) -> Expr:
         """M_ij for two links, in i, j and the later of them."""
-        return self._symmetric(self._generic.mass, 2)
+        return self._pair_entry(self._generic.mass, 2)
 
     @cached_property
     def velocity_base_link(self) -> Vector:
         """Q_0i and Q_1i."""
-        x, y = (self._over_mass(self._generic.velocity[row][0]) for row in (0, 1))
+        x, y = (self._integrate_over_mass(self._generic.velocity[row][0]) for row in (0, 1))
         return x, y
 
     @cached_property
     def velocity_link_link(self) -> Expr:
         """Q_ij for two links, in i, j and the later of them."""
-        return self._symmetric(self._generic.velocity, 0, -1)
+        return self._pair_entry(self._generic.velocity, 0, -1)
 
     # Moments across the joints ----------------------------------------------------------------
 
     @cached_property
     def spring(self) -> Expr:
         """Moment of the spring in joint s on the link after it; that before gets the opposite."""
-        return self._on_after(phi[s - 1], phi[s], self.rod.stiffness(s))
+        return self._spring_moment(phi[s - 1], phi[s], self.rod.stiffness(s))
 
     @cached_property
     def root_spring(self) -> Expr:
         """Moment of the root spring on link 0; zero where there is none."""
-        return self._on_after(ALPHA, phi[0], self.rod.stiffness(0, self.hold.root))
+        return self._spring_moment(
+            ALPHA, phi[0], self.rod.stiffness(0, self.boundary_condition.root)
+        )
 
     @cached_property
     def tail_spring(self) -> Expr:
-        """Moment of the spring in the tail on what holds it; zero where there is none."""
-        return self._on_after(phi[n - 1], ALPHA, self.rod.stiffness(n, self.hold.tail))
+        """Moment of the spring in the tail on its clamp; zero where there is none."""
+        return self._spring_moment(
+            phi[n - 1], ALPHA, self.rod.stiffness(n, self.boundary_condition.tail)
+        )
 
-    def _on_after(self, before: Expr, after: Expr, stiffness: Expr) -> Expr:
+    def _spring_moment(self, before: Expr, after: Expr, stiffness: Expr) -> Expr:
         moment = -spring_moment(before, after, stiffness, self.law)
         return factor(moment) if self.law == LINEAR else moment
 
     @cached_property
     def inner_moment(self) -> Expr:
-        """The moments of this scene in joint s, between two links, on the link after it."""
-        return sum((load.inner(self) for load in self._dampers), start=self.spring)
+        """Total moment in joint s, between two links, on the link after it."""
+        return sum((load.inner_moment(self) for load in self._dampers), start=self.spring)
 
     @cached_property
     def root_moment(self) -> Expr:
-        """The moments of this scene in joint 0 on link 0."""
-        return sum((load.root(self) for load in self._dampers), start=self.root_spring)
+        """Total moment in joint 0 on link 0."""
+        return sum((load.root_moment(self) for load in self._dampers), start=self.root_spring)
 
     @cached_property
     def tail_moment(self) -> Expr:
-        """The moments of this scene in joint n on what holds the tail."""
-        return sum((load.tail(self) for load in self._dampers), start=self.tail_spring)
+        """Total moment in joint n on the clamp of the tail."""
+        return sum((load.tail_moment(self) for load in self._dampers), start=self.tail_spring)
 
     @property
     def _dampers(self) -> list[JointMoment]:
@@ -202,56 +208,58 @@ class Equations(GenericChain):
 
     @cached_property
     def joint_moment(self) -> Expr:
-        """The moments of this scene in joint s on the link after it, or on what holds the tail."""
-        ends = [(self.root_moment, Eq(s, 0))] if self.hold.root else []
-        ends += [(self.tail_moment, Eq(s, n))] if self.hold.tail else []
+        """Total moment in joint s on the link after it, or on the clamp of the tail."""
+        ends = [(self.root_moment, Eq(s, 0))] if self.boundary_condition.root else []
+        ends += [(self.tail_moment, Eq(s, n))] if self.boundary_condition.tail else []
         return Piecewise(*ends, (self.inner_moment, True)) if ends else self.inner_moment
 
     @cached_property
     def link_moment(self) -> Expr:
-        """What the joints at both ends of link i do to it, by virtual work of their moments."""
+        """Moment of the joints at both ends of link i on it, by virtual work."""
         start, end = joint_moment[i], -joint_moment[i + 1]
         cases = [(start + end, True)]
-        if not self.hold.tail:
+        if not self.boundary_condition.tail:
             cases.insert(0, (start, Eq(i, n - 1)))
-        if self.hold.first < self.hold.first_spring:
+        if self.boundary_condition.first < self.boundary_condition.first_spring:
             cases.insert(0, (end, Eq(i, 0)))
         return Piecewise(*cases)
 
     # Loads ------------------------------------------------------------------------------------
 
-    def point_force(self, force: Vector, carrier: Expr, share: Expr) -> Work:
-        """A force on the point at the fraction ``share`` of link ``carrier``."""
+    def point_force(self, force: Vector, carrier: Expr, share: Expr) -> GeneralisedForces:
+        """Generalised forces of a force at the fraction ``share`` of link ``carrier``."""
         reach = Piecewise(
             (lever(BEFORE, share), i < carrier),
             (lever(OWN, share), i <= carrier),
             (lever(AFTER, share), True),
         )
-        return Work(force, reach * self.lean(force))
+        return GeneralisedForces(force, reach * self.angle_force(force))
 
     @cached_property
-    def works(self) -> dict[str, Work]:
-        """The loads of this scene that act as forces, by term."""
-        works = {term: load.work(self) for term, load in self.loads.items()}
+    def generalised_forces(self) -> dict[str, GeneralisedForces]:
+        """Generalised forces of the loads that act as forces, by term."""
+        works = {term: load.generalised_forces(self) for term, load in self.loads.items()}
         return {term: work for term, work in works.items() if work is not None}
 
     # Quantities along the chain ---------------------------------------------------------------
 
     @cached_property
     def arrays(self) -> dict[IndexedBase, Array]:
-        """Positions and velocities of the joints, moments across them, and what the loads need."""
-        hold = self.hold
+        """Positions and velocities of the joints, moments across them, and arrays of the loads."""
+        boundary_condition = self.boundary_condition
         angle, time_angle = phi[i], dynamicsymbols("phi", real=True)
         ends = combine((S.Zero, S.Zero), [lever(BEFORE, xi)], [time_angle])
         rates = [e.diff(TIME).subs(time_angle.diff(TIME), omega[i]) for e in ends]
         steps = [e.subs(time_angle, angle) for e in (*ends, *rates)]
-        origin = (x0, y0, vx0, vy0) if hold.translates else (S.Zero,) * 4
-        firsts = (0, 0, hold.first, hold.first)
+        origin = (x0, y0, vx0, vy0) if boundary_condition.translates else (S.Zero,) * 4
+        firsts = (0, 0, boundary_condition.first, boundary_condition.first)
         sums = [
             start + Sum(step, (i, first, joint - 1))
             for start, step, first in zip(origin, steps, firsts, strict=True)
         ]
-        zero, first, moving = map(Integer, (0, hold.first, hold.first_joint))
+        zero, first, moving = map(
+            Integer, (0, boundary_condition.first, boundary_condition.first_joint)
+        )
         values = {
             joint_x: (zero, sums[0]),
             joint_y: (zero, sums[1]),
@@ -263,17 +271,20 @@ class Equations(GenericChain):
             arm_y: (zero, reach_y[joint] - centre_y),
         }
         for load in self.loads.values():
-            values |= {base: (moving, value) for base, value in load.arrays(self).items()}
+            values |= {base: (moving, value) for base, value in load.joint_arrays(self).items()}
         arrays = {base: Array(base, joint, low, n, value) for base, (low, value) in values.items()}
-        low, high = Integer(hold.first_spring), n if hold.tail else n - 1
+        low, high = (
+            Integer(boundary_condition.first_spring),
+            n if boundary_condition.tail else n - 1,
+        )
         arrays[joint_moment] = Array(joint_moment, s, low, high, self.joint_moment)
         for load in self.loads.values():
-            for base, value in load.on_links().items():
+            for base, value in load.link_arrays().items():
                 arrays[base] = Array(base, i, first, n - 1, value)
         return arrays
 
 
-def _relabel(expression: Expr, indices: dict[Symbol, Symbol]) -> Expr:
+def _rename_indices(expression: Expr, indices: dict[Symbol, Symbol]) -> Expr:
     """Rename indices in the weights, not in the angles that they number."""
     angles = {phi[at]: Symbol(f"_{at}") for at in (i, j)}
     back = {symbol: angle for angle, symbol in angles.items()}

@@ -1,4 +1,4 @@
-"""Derivation 3 with the joint forces kept as unknowns: what an implicit method needs.
+"""Derivation 3 with the joint forces kept as unknowns, for implicit methods.
 
 Every moving link is a cell of three unknowns: its angular acceleration and the force in the joint
 before it, over the mass of a link. The residual of a cell follows from the angles, rates and
@@ -15,12 +15,12 @@ from functools import cached_property
 from sympy import Add, And, Eq, Expr, Indexed, Matrix, Mul, Piecewise, S, Symbol
 from sympy.physics.mechanics import dynamicsymbols
 
-from .calculus import TIME
 from .chain import OWN, combine, lever
-from .general import Equations
-from .joint_forces import JointForces
-from .joint_system import alpha, lambda_x, lambda_y, link_moment, load_on, short, tail_load
+from .general import GeneralEquations
+from .joint_force_system import JointForceSystem
+from .joint_system import alpha, collect_terms, lambda_x, lambda_y, link_moment, load_on, tail_load
 from .loads.joint_drag import divisor
+from .polynomials import TIME
 from .symbols import i, joint_vx, joint_vy, joint_x, joint_y, n, omega, phi, s
 
 UNKNOWNS = (alpha, lambda_x, lambda_y)
@@ -30,7 +30,7 @@ NEIGHBOURS, JOINTS = (-1, 0, 1), (0, 1)
 
 @dataclass(frozen=True)
 class _Place:
-    """Whether a link is the first of the moving ones, or the last."""
+    """Place of a link: whether it is the first of the moving ones, and whether the last."""
 
     first: bool
     last: bool
@@ -42,12 +42,12 @@ class ImplicitForm:
     derivatives by offset of the cell or joint: columns of angles and rates (3x1), of unknowns
     (3x3), and of joint velocities and positions (3x2, by which only forces on joints change)."""
 
-    equations: Equations
+    equations: GeneralEquations
 
     @cached_property
     def residual(self) -> Matrix:
-        """Zero for the accelerations and joint forces of the chain."""
-        return self._cases(list(self._residuals.values()))
+        """Residual, zero for the accelerations and joint forces of the chain."""
+        return self._piecewise(list(self._residuals.values()))
 
     @cached_property
     def by_angle(self) -> dict[int, Matrix]:
@@ -63,41 +63,41 @@ class ImplicitForm:
 
     @cached_property
     def by_velocity(self) -> dict[int, Matrix]:
-        """By the velocities of joints i and i + 1."""
+        """Derivatives by the velocities of joints i and i + 1."""
         return {d: self._derivative([joint_vx[i + d], joint_vy[i + d]], 0) for d in JOINTS}
 
     @cached_property
     def by_position(self) -> dict[int, Matrix]:
-        """By their positions."""
+        """Derivatives by the positions of joints i and i + 1."""
         return {d: self._derivative([joint_x[i + d], joint_y[i + d]], 0) for d in JOINTS}
 
     @cached_property
-    def lever_by(self) -> tuple[Matrix, Matrix]:
-        """Velocity of the end of link i less that of its start, by its angle and by its rate."""
+    def lever_derivatives(self) -> tuple[Matrix, Matrix]:
+        """Derivatives of the velocity that link i adds from start to end, by angle and by rate."""
         angle = dynamicsymbols("phi", real=True)
         gained = Matrix(combine((S.Zero, S.Zero), [lever(OWN, S.One)], [angle])).diff(TIME)
         named = gained.subs(angle.diff(TIME), omega[i]).subs(angle, phi[i])
         return named.diff(phi[i]), named.diff(omega[i])
 
     def by_number(self, number: Symbol) -> Matrix:
-        """By a number in the loads."""
+        """Derivative by a number in the loads."""
         return self._derivative([number], 0)
 
     def base_by_number(self, number: Symbol, links: int) -> Matrix:
-        """Of the acceleration of joint 0, by a number in the loads."""
-        return self.base(links).applyfunc(lambda e: self._partial(e, number))
+        """Derivative of the acceleration of joint 0 by a number in the loads."""
+        return self.base_acceleration(links).applyfunc(lambda e: self._partial(e, number))
 
-    def base(self, links: int) -> Matrix:
+    def base_acceleration(self, links: int) -> Matrix:
         """Acceleration of joint 0 of a chain that translates."""
         place = _Place(first=True, last=links == 1)
-        chain = JointForces(self.equations)
-        rows = self._with_tail(-chain.starts(i), chain, place)
+        chain = JointForceSystem(self.equations)
+        rows = self._with_tail(-chain.start_constraint(i), chain, place)
         return self._with_laws(rows, place)
 
-    def base_by(self, links: int) -> dict[str, dict[int, Matrix]]:
-        """Its derivatives by angles, rates and unknowns of the cells 0 and 1 and by the velocities
-        and positions of joints 0 and 1, each by offset."""
-        rows = self.base(links)
+    def base_derivatives(self, links: int) -> dict[str, dict[int, Matrix]]:
+        """Derivatives of `base_acceleration` by angles, rates and unknowns of the cells 0 and 1 and
+        by the velocities and positions of joints 0 and 1, each by offset."""
+        rows = self.base_acceleration(links)
         kinds = {
             "angle": (phi,),
             "rate": (omega,),
@@ -119,9 +119,9 @@ class ImplicitForm:
     def _places(self) -> tuple[_Place, ...]:
         return _Place(True, True), _Place(True, False), _Place(False, True), _Place(False, False)
 
-    def _cases(self, values: Sequence[Matrix]) -> Matrix:
-        """A matrix by place, as one of Piecewise."""
-        first, last = Eq(i, self.equations.hold.first), Eq(i, n - 1)
+    def _piecewise(self, values: Sequence[Matrix]) -> Matrix:
+        """Matrix of Piecewise entries, from one matrix for every place."""
+        first, last = Eq(i, self.equations.boundary_condition.first), Eq(i, n - 1)
         conditions = (And(first, last), first, last, S.true)
         entries = zip(*values, strict=True)
         cases = [Piecewise(*zip(entry, conditions, strict=True)) for entry in entries]
@@ -136,12 +136,12 @@ class ImplicitForm:
                 [S.Zero if beyond else self._partial(e, x) for x in variables] for e in residual
             ]
             values.append(Matrix(columns))
-        return self._cases(values)
+        return self._piecewise(values)
 
     def _partial(self, expression: Expr, variable: Expr) -> Expr:
-        """Partial derivative; the speed that drag divides by follows the velocity (at rest, where
-        it is one, what it is a factor of vanishes). No array follows a number: those of a load do
-        so by its law."""
+        """Partial derivative, through the speed that drag divides by as well: that is one at rest,
+        where its factor vanishes. Arrays of loads do not depend on numbers here: their laws stand
+        in their place."""
         total = _differentiate(expression, variable)
         if isinstance(variable, Indexed) and variable.base in (joint_vx, joint_vy):
             speed = divisor[variable.indices[0]]
@@ -155,59 +155,59 @@ class ImplicitForm:
         return {place: self._residual(place) for place in self._places}
 
     def _residual(self, place: _Place) -> Matrix:
-        chain = JointForces(self.equations)
+        chain = JointForceSystem(self.equations)
         turning = alpha[i] - chain.accelerations(i)[2]
-        if chain.resistance != 1:
-            turning = short(chain.resistance * turning)
-        joint_rows = self._joint(chain, place)
-        rows = Matrix([turning, *joint_rows]).xreplace({link_moment[i]: self._moment(place)})
+        if chain.inertia_ratio != 1:
+            turning = collect_terms(chain.inertia_ratio * turning)
+        joint_rows = self._joint_rows(chain, place)
+        rows = Matrix([turning, *joint_rows]).xreplace({link_moment[i]: self._link_moment(place)})
         return self._with_laws(self._with_tail(rows, chain, place), place)
 
-    def _with_tail(self, rows: Matrix, chain: JointForces, place: _Place) -> Matrix:
-        """The load at the tail in place of a force in the joint there."""
+    def _with_tail(self, rows: Matrix, chain: JointForceSystem, place: _Place) -> Matrix:
+        """Rows with the load at the tail in place of the force in the joint there."""
         if not place.last:
             return rows
-        tail = tail_load(self.equations, chain.unit)
+        tail = tail_load(self.equations, chain.multiplier_mass)
         given = dict(zip((lambda_x[i + 1], lambda_y[i + 1]), tail, strict=True))
         return rows.xreplace(given).subs(phi[n - 1], phi[i])
 
-    def _joint(self, chain: JointForces, place: _Place) -> Sequence[Expr]:
-        """What the joint before link i asks for; where that moves with no link before it, the
-        force in it is given."""
-        hold = self.equations.hold
-        if place.first and hold.translates:
-            given = load_on(self.equations, i, chain.unit)
+    def _joint_rows(self, chain: JointForceSystem, place: _Place) -> Sequence[Expr]:
+        """Rows of the joint before link i: its constraint or, at a free start with no link before
+        it, the given force."""
+        boundary = self.equations.boundary_condition
+        if place.first and boundary.translates:
+            given = load_on(self.equations, i, chain.multiplier_mass)
             return lambda_x[i] + given[0], lambda_y[i] + given[1]
-        total = chain.starts(i)
+        total = chain.start_constraint(i)
         if not place.first:
-            total += chain.ends(i - 1)
+            total += chain.end_constraint(i - 1)
         return tuple(total)
 
-    def _moment(self, place: _Place) -> Expr:
-        """The moments of the joints at both ends of link i."""
+    def _link_moment(self, place: _Place) -> Expr:
+        """Moment on link i of the joints at both its ends."""
         equations = self.equations
         start, end = (equations.inner_moment.subs(s, at) for at in (i, i + 1))
-        if place.first and not equations.hold.first:
+        if place.first and not equations.boundary_condition.first:
             start = equations.root_moment.xreplace({phi[0]: phi[i], omega[0]: omega[i]})
         if place.last:
             end = equations.tail_moment.subs(n, i + 1)
         return start - end
 
     def _with_laws(self, rows: Matrix, place: _Place) -> Matrix:
-        """The laws of the loads in place of their forces on the joints of a link."""
-        starts = place.first and self.equations.hold.translates
+        """Rows with the laws of the loads in place of their forces on the joints of a link."""
+        starts = place.first and self.equations.boundary_condition.translates
         ends = {i: (None if starts else phi[i - 1], phi[i])}
         ends[i + 1] = (phi[i], None if place.last else phi[i + 1])
         laws: dict[Expr, Expr] = {}
         for load in self.equations.loads.values():
-            laws |= load.near_link()
+            laws |= load.link_laws()
             for at, angles in ends.items():
-                laws |= load.near(at, *angles, self.equations)
+                laws |= load.joint_laws(at, *angles, self.equations)
         return rows.xreplace(laws)
 
 
 def _differentiate(e: Expr, x: Expr) -> Expr:
-    """Differentiate e by x; SymPy's own way goes through all that is free of x as well."""
+    """Differentiate e by x, skipping all that is free of x, which SymPy's own way goes through."""
     if not e.has(x):
         return S.Zero
     if e.is_Add:

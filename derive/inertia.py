@@ -18,7 +18,7 @@ INERTIAS: dict[str, Callable[[Expr], Expr]] = {
 }
 
 
-def mean(inertia: str, expression: Expr) -> Expr:
+def mass_mean(inertia: str, expression: Expr) -> Expr:
     """Mean of a polynomial in xi over the mass of one link."""
     powers = Poly(expression, xi).all_coeffs()[::-1]
     weigh = INERTIAS[inertia]

@@ -1,4 +1,4 @@
-"""Derivation 3, what its two forms share: the system that the constraints of a chain lead to.
+"""The block-tridiagonal system of a chain's constraints, for both forms of derivation 3.
 
 Links (or, where all mass sits at their ends, joints) move freely and are held together by
 constraints. LagrangesMethod with ``hol_coneqs`` on a generic cell gives the equations of motion
@@ -29,7 +29,7 @@ from sympy import (
 from sympy.physics.mechanics import LagrangesMethod
 
 from .chain import Vector
-from .general import Equations
+from .general import GeneralEquations
 from .symbols import Array, i, n, s
 
 # Multipliers: the force in joint s over the mass of a link [m/s^2], with which it pulls the link
@@ -56,7 +56,7 @@ joint_ax, joint_ay = IndexedBase("joint_ax", real=True), IndexedBase("joint_ay",
 
 
 @dataclass(frozen=True)
-class System:
+class BlockSystem:
     """A symmetric block-tridiagonal system and what follows from its solution.
 
     unknowns: arrays over ``index`` from low to high; diagonal, coupling: blocks of position index
@@ -78,28 +78,30 @@ class System:
     angular: Expr
     base: tuple[Expr, ...]
 
-    def without(self, arrays: set[IndexedBase]) -> System:
-        """The system without arrays that are zero, and without what that makes zero in turn."""
+    def without(self, arrays: set[IndexedBase]) -> BlockSystem:
+        """System without the given arrays, which are zero, and those that become zero in turn."""
         if not arrays:
             return self
 
-        def rest(e: Expr) -> Expr:
+        def drop(e: Expr) -> Expr:
             return e.xreplace({x: S.Zero for x in e.atoms(Indexed) if x.base in arrays})
 
         kept = {base: a for base, a in self.arrays.items() if base not in arrays}
         system = replace(
             self,
-            arrays={base: replace(a, value=rest(a.value)) for base, a in kept.items()},
-            right=self.right.applyfunc(rest),
-            angular=rest(self.angular),
-            base=tuple(map(rest, self.base)),
+            arrays={base: replace(a, value=drop(a.value)) for base, a in kept.items()},
+            right=self.right.applyfunc(drop),
+            angular=drop(self.angular),
+            base=tuple(map(drop, self.base)),
         )
         return system.without({base for base, a in system.arrays.items() if a.value == 0})
 
 
-def lagrange(energy: Expr, coordinates: list[Expr], gap: list[Expr]) -> tuple[Matrix, Matrix]:
-    """LagrangesMethod with constraints: M and the Jacobian of the constraints below it, and
-    what stands on the right of the constraints on the accelerations."""
+def constrained_equations(
+    energy: Expr, coordinates: list[Expr], gap: list[Expr]
+) -> tuple[Matrix, Matrix]:
+    """Mass matrix with the Jacobian of the constraints below it, and right-hand side of the
+    constraints on the accelerations, by LagrangesMethod."""
     method = LagrangesMethod(energy, coordinates, hol_coneqs=gap)
     method.form_lagranges_equations()
     size = len(coordinates)
@@ -110,52 +112,52 @@ def lagrange(energy: Expr, coordinates: list[Expr], gap: list[Expr]) -> tuple[Ma
     return accelerations, right[2 * size :, :]
 
 
-def _total(forces: Iterable[Vector], unit: Expr) -> Vector:
+def _sum_forces(forces: Iterable[Vector], unit: Expr) -> Vector:
     x, y = (Add(*parts) / unit for parts in zip((S.Zero, S.Zero), *forces, strict=True))
     return x, y
 
 
-def weight_on(equations: Equations, mass: Expr) -> Vector:
+def weight_on(equations: GeneralEquations, mass: Expr) -> Vector:
     """Forces of the loads on a mass."""
-    return _total((load.weight(mass) for load in equations.loads.values()), S.One)
+    return _sum_forces((load.weight(mass) for load in equations.loads.values()), S.One)
 
 
-def moment_on(equations: Equations, link: Expr) -> Expr:
+def moment_on(equations: GeneralEquations, link: Expr) -> Expr:
     """Moments on a link, of its joints and of the loads."""
     loads = equations.loads.values()
-    return link_moment[link] + sum((load.on_link(link) for load in loads), S.Zero)
+    return link_moment[link] + sum((load.link_moment(link) for load in loads), S.Zero)
 
 
-def load_on(equations: Equations, at: Expr, unit: Expr) -> Vector:
+def load_on(equations: GeneralEquations, at: Expr, unit: Expr) -> Vector:
     """Forces of the loads on a joint, over a unit, without those that act on the tail alone."""
-    hold = equations.hold
-    return _total((load.on_joint(at, hold) for load in equations.loads.values()), unit)
+    boundary = equations.boundary_condition
+    return _sum_forces((load.joint_force(at, boundary) for load in equations.loads.values()), unit)
 
 
-def tail_load(equations: Equations, unit: Expr) -> Vector:
+def tail_load(equations: GeneralEquations, unit: Expr) -> Vector:
     """Forces of the loads that act on the tail alone, over a unit."""
-    return _total((load.on_tail() for load in equations.loads.values()), unit)
+    return _sum_forces((load.tail_force() for load in equations.loads.values()), unit)
 
 
-def arrays_of(equations: Equations) -> dict[IndexedBase, Array]:
-    low = Integer(equations.hold.first)
+def system_arrays(equations: GeneralEquations) -> dict[IndexedBase, Array]:
+    low = Integer(equations.boundary_condition.first)
     return {
         **equations.arrays,
         link_moment: Array(link_moment, i, low, n - 1, equations.link_moment),
     }
 
 
-def at_first(position: Expr, there: Matrix, inside: Matrix) -> Matrix:
-    """Blocks that differ at the first position."""
+def piecewise_at_first(position: Expr, there: Matrix, inside: Matrix) -> Matrix:
+    """Matrix of Piecewise entries that differ at the first position."""
     pairs = zip(there, inside, strict=True)
     return Matrix(*inside.shape, [Piecewise((a, Eq(s, position)), (b, True)) for a, b in pairs])
 
 
-def in_every_case(cases: Piecewise, term: Expr) -> Expr:
-    """A term added in every case."""
+def add_to_cases(cases: Piecewise, term: Expr) -> Expr:
+    """Piecewise with a term added in every case."""
     return Piecewise(*((e + term, c) for e, c in cases.args))
 
 
-def short(expression: Expr) -> Expr:
-    """Sums of like terms, common factors in front."""
+def collect_terms(expression: Expr) -> Expr:
+    """Simplify to sums of like terms, with common factors in front."""
     return factor_terms(expand(expression))

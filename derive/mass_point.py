@@ -1,4 +1,4 @@
-"""One mass point carried by two generic links: what derivation 2 takes all entries from."""
+"""One mass point carried by two generic links: the source of all entries of derivation 2."""
 
 from __future__ import annotations
 
@@ -10,14 +10,14 @@ from math import prod
 from sympy import Expr, Matrix, Poly, S, Symbol, expand, simplify, symbols, trigsimp
 from sympy.physics.mechanics import LagrangesMethod, dynamicsymbols
 
-from .calculus import TIME
-from .chain import Vector, across, combine
+from .chain import Vector, combine, normal_angle
+from .polynomials import TIME
 
 
 @dataclass(frozen=True)
 class MassPoint:
-    """A mass point mu carried by links i < j at the levers a_i, a_j along them and, where there is
-    mass beside the links, b_i, b_j across them; its equations formed."""
+    """Equations of a mass point mu carried by links i < j at the levers a_i, a_j along them and,
+    where there is mass beside the links, b_i, b_j across them."""
 
     a: tuple[Symbol, ...]
     b: tuple[Symbol, ...]
@@ -30,12 +30,12 @@ class MassPoint:
 
 @cache
 def mass_point(sided: bool = False) -> MassPoint:
-    """The mass point; sided: with levers across its links as well."""
+    """Derive the mass point; sided: with levers across its links as well."""
     a = symbols("a_i a_j", positive=True)
     b = symbols("b_i b_j", real=True) if sided else ()
     mu = Symbol("mu", positive=True)
     x, y, phi_i, phi_j = q = dynamicsymbols("x y phi_i phi_j", real=True)
-    ways = [phi_i, phi_j, across(phi_i), across(phi_j)]
+    ways = [phi_i, phi_j, normal_angle(phi_i), normal_angle(phi_j)]
     r = combine((x, y), (*a, *b), ways[: len(a) + len(b)])
     v = [c.diff(TIME) for c in r]
     method = LagrangesMethod(mu / 2 * (v[0] ** 2 + v[1] ** 2), q)
@@ -59,7 +59,7 @@ def mass_point(sided: bool = False) -> MassPoint:
 
 
 def _by_lever(entry: Expr, levers: Sequence[Symbol]) -> Expr:
-    """An entry with its factor of every product of levers in its shortest form."""
+    """Entry with its factor of every product of levers in its shortest form."""
     if len(levers) == 2:
         return trigsimp(entry)
     terms = Poly(expand(entry), *levers).terms()

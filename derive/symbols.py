@@ -11,14 +11,14 @@ from rodgen.model.parameter import Parameter
 
 def _symbol(row: Parameter) -> Symbol | IndexedBase:
     """The symbol of a parameter; an array where it differs by joint or link."""
-    if not row.several:
+    if not row.is_array:
         return Symbol(row.name, real=True)
-    rule = {"real": True} if row.signed else {"nonnegative": True}
+    rule = {"real": True} if row.is_signed else {"nonnegative": True}
     return IndexedBase(row.name, **rule)
 
 
 class _Symbols(dict[str, Any]):
-    """Symbols by name; of loads that a scene has several of, made where they are asked for."""
+    """Symbols by name; those of numbered loads, such as follower_2, are made on access."""
 
     def __missing__(self, name: str) -> Symbol | IndexedBase:
         return _symbol(terms.PARAMETERS[name])

@@ -29,26 +29,26 @@ from sympy import (
 )
 from sympy.physics.mechanics import dynamicsymbols
 
-from .calculus import TIME
 from .chain import BEFORE, combine, direction, lever
-from .general import Equations
+from .general import GeneralEquations
 from .joint_system import (
-    System,
-    arrays_of,
+    BlockSystem,
+    add_to_cases,
+    collect_terms,
+    constrained_equations,
     free_ax,
     free_ay,
-    in_every_case,
     joint_ax,
     joint_ay,
-    lagrange,
     lightness,
     load_on,
     moment_on,
-    short,
+    system_arrays,
     tail_load,
     tension,
     weight_on,
 )
+from .polynomials import TIME
 from .symbols import Array, i, joint, m, n, omega, phi, xi
 
 
@@ -72,15 +72,17 @@ class _Bar:
 
 
 @cache
-def _two_masses() -> _Bar:
-    """LagrangesMethod on two masses and a massless link that reaches from one to the other."""
+def _derive_bar() -> _Bar:
+    """Derive a bar by LagrangesMethod on two masses and a massless link from one to the other."""
     x_a, y_a, turned, x_b, y_b = q = dynamicsymbols("x_a y_a phi x_b y_b", real=True)
     masses = symbols("m_a m_b", positive=True)
     ends = ((x_a, y_a), (x_b, y_b))
     squares = [sum(c.diff(TIME) ** 2 for c in end) for end in ends]
     energy = Add(*(mass / 2 * square for mass, square in zip(masses, squares, strict=True)))
     reach = combine(ends[0], [lever(BEFORE, xi)], [turned])
-    rows, right = lagrange(energy, list(q), [a - b for a, b in zip(reach, ends[1], strict=True)])
+    rows, right = constrained_equations(
+        energy, list(q), [a - b for a, b in zip(reach, ends[1], strict=True)]
+    )
     jacobian = rows[5:, :]
     if jacobian[:, :2] != eye(2) or jacobian[:, 3:] != -eye(2) or not rows[2, :5].is_zero_matrix:
         raise ArithmeticError(f"two masses are not held as assumed: {rows}")
@@ -110,30 +112,30 @@ def _two_masses() -> _Bar:
 
 
 @dataclass(frozen=True)
-class Tensions:
+class TensionSystem:
     """The system of a chain of massless links between masses in the joints."""
 
-    equations: Equations
+    equations: GeneralEquations
 
-    def _at(self, expression: Any, link: Expr) -> Any:
-        bar = _two_masses()
+    def _substitute(self, expression: Any, link: Expr) -> Any:
+        bar = _derive_bar()
         return expression.subs({bar.phi: phi[link], bar.omega: omega[link]})
 
-    def _masses(self, link: Expr) -> tuple[Expr, Expr]:
-        """What a link adds to the mass of the joint before it and of that after it."""
+    def _end_masses(self, link: Expr) -> tuple[Expr, Expr]:
+        """Parts of a link in the mass of the joint before it and of the joint after it."""
         rod = self.equations.rod
         mass, after = rod.mass(link), rod.mean(xi, link)
         return mass * (1 - after), mass * after
 
-    def _gathered(self, at: Expr) -> Expr:
-        """m over the mass of a joint between two links, or of the first or last that moves."""
-        if self.equations.rod.heavy:
+    def _mass_ratio(self, at: Expr) -> Expr:
+        """m over the mass gathered in a joint."""
+        if self.equations.rod.has_link_masses:
             return lightness[at]
         return m / self._mass_at(at)
 
     def _mass_at(self, at: Expr) -> Expr:
-        starts = self._masses(at)[0] if at != n else S.Zero
-        ends = self._masses(at - 1)[1] if at != 0 else S.Zero
+        starts = self._end_masses(at)[0] if at != n else S.Zero
+        ends = self._end_masses(at - 1)[1] if at != 0 else S.Zero
         return ends + starts
 
     def _at_joint(
@@ -141,16 +143,16 @@ class Tensions:
     ) -> Matrix:
         """Acceleration of a joint by forces in the links at it and by other forces, both over m,
         with its cases; ``held``: that of a joint that is held."""
-        hold = self.equations.hold
+        boundary = self.equations.boundary_condition
 
-        def share(at: Expr, force: Matrix) -> Matrix:
-            return (force * self._gathered(at)).applyfunc(short)
+        def scale(at: Expr, force: Matrix) -> Matrix:
+            return (force * self._mass_ratio(at)).applyfunc(collect_terms)
 
-        inner = share(joint, link(joint) - link(joint - 1) + other(joint))
-        tail = share(n, other(n) - link(n - 1))
-        start = share(S.Zero, link(Integer(0)) + other(Integer(0)))
-        first, last = Eq(joint, hold.first), Eq(joint, n)
-        rows = zip(start if hold.translates else held, tail, inner, strict=True)
+        inner = scale(joint, link(joint) - link(joint - 1) + other(joint))
+        tail = scale(n, other(n) - link(n - 1))
+        start = scale(S.Zero, link(Integer(0)) + other(Integer(0)))
+        first, last = Eq(joint, boundary.first), Eq(joint, n)
+        rows = zip(start if boundary.translates else held, tail, inner, strict=True)
         return Matrix([Piecewise((a, first), (b, last), (c, True)) for a, b, c in rows])
 
     def _load(self, at: Expr) -> Matrix:
@@ -158,71 +160,76 @@ class Tensions:
         tail = Matrix(tail_load(self.equations, m)) if at == n else zeros(2, 1)
         return Matrix(load_on(self.equations, at, m)) + tail
 
-    def _falling(self) -> Matrix:
-        """Acceleration of free fall; that of joints below is less this, so that gravity is only
-        seen where a joint is held."""
+    def _free_fall(self) -> Matrix:
+        """Acceleration of free fall, relative to which those of joints are taken, so that gravity
+        is only seen where a joint is held."""
         return Matrix(weight_on(self.equations, S.One))
 
-    def _free(self) -> Matrix:
+    def _free_acceleration(self) -> Matrix:
         """Acceleration of a joint without tensions."""
-        bar = _two_masses()
+        bar = _derive_bar()
 
         def across(link: Expr) -> Matrix:
-            return self._at(bar.across.subs(bar.moment, moment_on(self.equations, link)), link) / m
+            return (
+                self._substitute(bar.across.subs(bar.moment, moment_on(self.equations, link)), link)
+                / m
+            )
 
-        return self._at_joint(across, self._load, -self._falling())
+        return self._at_joint(across, self._load, -self._free_fall())
 
     @cached_property
-    def system(self) -> System:
-        """One equation for every moving link."""
-        bar, hold = _two_masses(), self.equations.hold
-        first = Integer(hold.first)
-        along = self._at(bar.along, i)
+    def system(self) -> BlockSystem:
+        """System of the tensions, one equation for every moving link."""
+        bar, boundary = _derive_bar(), self.equations.boundary_condition
+        first = Integer(boundary.first)
+        along = self._substitute(bar.along, i)
         free = Matrix([free_ax[i] - free_ax[i + 1], free_ay[i] - free_ay[i + 1]])
-        right = self._at(bar.stretch, i) - (along.T * free)[0]
-        near = self._gathered(S.Zero) if hold.translates else S.Zero
-        before, after, far = map(self._gathered, (i, i + 1, n))
+        right = self._substitute(bar.stretch, i) - (along.T * free)[0]
+        near = self._mass_ratio(S.Zero) if boundary.translates else S.Zero
+        before, after, far = map(self._mass_ratio, (i, i + 1, n))
         diagonal = Piecewise(
             (near + far, And(Eq(i, first), Eq(i, n - 1))),
             (near + after, Eq(i, first)),
             (before + far, Eq(i, n - 1)),
             (before + after, True),
         )
-        coupling = -after * (along.T * self._at(bar.along, i + 1))[0]
+        coupling = -after * (along.T * self._substitute(bar.along, i + 1))[0]
 
         def pull(link: Expr) -> Matrix:
-            return self._at(bar.along, link) * tension[link]
+            return self._substitute(bar.along, link) * tension[link]
 
         moves = self._at_joint(pull, lambda _: zeros(2, 1), zeros(2, 1))
         moves = [
-            in_every_case(e, base[joint]) for e, base in zip(moves, (free_ax, free_ay), strict=True)
+            add_to_cases(e, base[joint]) for e, base in zip(moves, (free_ax, free_ay), strict=True)
         ]
         over = Array(joint_ax, joint, first, n, S.Zero)
         arrays = {
             base: replace(over, base=base, value=value)
             for base, value in zip(
-                (free_ax, free_ay, joint_ax, joint_ay), (*self._free(), *moves), strict=True
+                (free_ax, free_ay, joint_ax, joint_ay),
+                (*self._free_acceleration(), *moves),
+                strict=True,
             )
         }
-        if self.equations.rod.heavy:
+        if self.equations.rod.has_link_masses:
             low, high = (m / self._mass_at(at) for at in (S.Zero, n))
             inside = m / self._mass_at(joint)
-            value = self.equations.at_ends(low, high, inside)
-            moving = Integer(hold.first_joint)
+            value = self.equations.piecewise_at_ends(low, high, inside)
+            moving = Integer(boundary.first_joint)
             arrays[lightness] = Array(lightness, joint, moving, n, value)
-        base = Matrix([joint_ax[0], joint_ay[0]]) + self._falling()
+        base = Matrix([joint_ax[0], joint_ay[0]]) + self._free_fall()
         opening = Matrix([joint_ax[i + 1] - joint_ax[i], joint_ay[i + 1] - joint_ay[i]])
-        return System(
+        return BlockSystem(
             unknowns=(tension,),
             index=i,
             low=first,
             high=n - 1,
             diagonal=Matrix([diagonal]),
-            coupling=Matrix([short(coupling)]),
+            coupling=Matrix([collect_terms(coupling)]),
             right=Matrix([right]),
             start=(),
             end=(),
-            arrays=arrays_of(self.equations) | arrays,
-            angular=short((self._at(bar.lean, i).T * opening)[0]),
-            base=tuple(base) if hold.translates else (),
+            arrays=system_arrays(self.equations) | arrays,
+            angular=collect_terms((self._substitute(bar.lean, i).T * opening)[0]),
+            base=tuple(base) if boundary.translates else (),
         )

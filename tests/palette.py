@@ -135,11 +135,11 @@ def cases(
 
 def can_move(boundary: str, links: int, *_: object) -> bool:
     """Whether one of so many links moves under a boundary."""
-    return links >= BOUNDARIES[boundary].least_links
+    return links >= BOUNDARIES[boundary].min_links
 
 
 # What may differ along a rod.
-UNEVEN = (("stiffness",), ("mass",), ("bodies",), ("points",), ("stiffness", "bodies"))
+NONUNIFORM = (("stiffness",), ("mass",), ("bodies",), ("points",), ("stiffness", "bodies"))
 
 
 def carries(boundary: str, links: int, inertia: str, *rest: Any) -> bool:

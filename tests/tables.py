@@ -17,8 +17,8 @@ from rodgen.model.terms import TERMS
 from rodgen.result import Row
 from rodgen.scene import Scene
 from rodgen.scene.tables import Table
+from rodgen.studies.analysis_results import ANALYSES, rows_of
 from rodgen.studies.axis import Range, Sample
-from rodgen.studies.findings import ANALYSES, rows_of
 from rodgen.studies.study import KEYS
 
 DOCS = Path(__file__).parents[1] / "docs"
@@ -33,12 +33,12 @@ def _row(*cells: str) -> str:
 def _key(one: Parameter) -> str:
     """The row of a key: its name, what it is, and its default."""
     value = one.documentation + LIMITS.get(one.rule, "")
-    value += f"; {TIMED}" * (one.timed and not one.several)
+    value += f"; {TIMED}" * (one.timed and not one.is_array)
     default = "required" if one.default is None else f"{one.default:g}"
     key = f"`{one.key}`" if one.part is None else f"`{one.key}`, {('first', 'second')[one.part]}"
     if one.each == LINKS:
         value += "; a number, an expression in s and t, or n values, one for every link"
-    elif one.several:
+    elif one.is_array:
         value += "; `{nose = 1, body = 1, tail = 1}` (joint 0, inner joints, joint n), or a list"
         value += " of n + 1 values"
         default = f"all {default}"
@@ -115,7 +115,7 @@ def _first() -> Iterator[str]:
 
 def _loads() -> Iterator[str]:
     yield from (_row("key", "value", "default"), "|---|---|---|")
-    for term in (one for one in TERMS.values() if one.loads):
+    for term in (one for one in TERMS.values() if one.is_load):
         several = f", or several of them, [[loads.{term.table}]]" if term.placed else ""
         yield _row(f"**[loads.{term.table}]**", term.description + several, "")
         yield from map(_key, term.parameters)

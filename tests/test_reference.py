@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from rodgen.studies.findings import ANALYSES
+from rodgen.studies.analysis_results import ANALYSES
 from rodgen.studies.study import WHAT
 from tests import reference
 

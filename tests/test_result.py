@@ -14,7 +14,16 @@ import pytest
 
 import rodgen
 from rodgen.integrate.files.reader import load
-from rodgen.result import Note, Result, Row, doubt, hidden, plain_data, silent, warns_of_doubts
+from rodgen.result import (
+    Note,
+    Result,
+    Row,
+    collect_doubts,
+    doubt,
+    omit_from_tables,
+    plain_data,
+    warns_of_doubts,
+)
 from tests.analyse.rods import COLUMN, ZIEGLER, rod
 
 TURNED = COLUMN.replace({"loads.follower.angle": 30.0, "integrate.span": [0.0, 0.1]})
@@ -34,7 +43,7 @@ class Numbers(Result):
 
     ROWS = (
         Row("size", "size", "{unit}", ".2f"),
-        Row("apart", "distance", "m", text=hidden),
+        Row("apart", "distance", "m", text=omit_from_tables),
         Row("of", "part {}", "kg", ".1f", of=lambda _: {"a": 1.0, "b": 2.0}),
         Row("ways", "way", "m", along="way"),
         Row("grows", "grows", along="way"),
@@ -83,7 +92,7 @@ def test_a_doubt_is_told_once_by_the_call_that_is_made_and_where_it_is_made() ->
     message = told.message
     assert isinstance(message, rodgen.DoubtWarning)
     assert message.figures == {"size": 3.0}
-    with silent():
+    with collect_doubts():
         assert _told(outer) == []
     with warnings.catch_warnings():
         warnings.simplefilter("error", rodgen.DoubtWarning)

@@ -11,7 +11,7 @@ from collections.abc import Sequence
 from importlib import import_module
 
 from rodgen.model.terms import TERMS as ROWS
-from rodgen.model.terms import named
+from rodgen.model.terms import load_places
 
 from .kinds import Load
 
@@ -23,7 +23,7 @@ TERMS = tuple(LOADS)
 def loads_of(terms: Sequence[str]) -> dict[str, Load]:
     """The loads of a structure, by name."""
     found = {}
-    for text, (name, place) in zip(terms, named(terms).items(), strict=True):
+    for text, (name, place) in zip(terms, load_places(terms).items(), strict=True):
         load = LOADS[text.partition("@")[0]]
-        found[name] = load.placed(name, place) if "@" in text or name != text else load
+        found[name] = load.at_place(name, place) if "@" in text or name != text else load
     return found

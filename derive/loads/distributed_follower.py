@@ -22,10 +22,10 @@ class DistributedFollower(LinkForce):
     def link_by_hand(self, rod: ClosedForm, i: Num, value: Value) -> Num:
         """l^2 sum of q_j sin(phi_i - phi_j) over the links after link i."""
 
-        def turning(j: Num) -> Num:
+        def term_of(j: Num) -> Num:
             return value(Q)[j] * rod.sin(rod.phi[i] - rod.phi[j])
 
-        return rod.l**2 * rod.arithmetic.total(turning, i + 1, rod.n - 1)
+        return rod.l**2 * rod.arithmetic.total(term_of, i + 1, rod.n - 1)
 
 
 LOAD = DistributedFollower()

@@ -11,7 +11,7 @@ from .kinds import Value
 
 
 class Drag(JointDrag):
-    """-w (c_n |v_n| v_n n + c_t |v_t| v_t e) with v less the wind; e along the rod, n across it, w
+    """Drag -w (c_n |v_n| v_n n + c_t |v_t| v_t e), v less the wind; e along the rod, n across it, w
     the length of rod at the joint."""
 
     letter = "D_w"
@@ -33,7 +33,7 @@ class Drag(JointDrag):
         return total[0], total[1]
 
     def force_by_hand(self, joint: JointMotion, value: Value, functions: Any) -> Pair:
-        """In the frame of the rod, and turned back."""
+        """Force on a joint, computed in the frame of the rod and turned back."""
         c_n, c_t, wind_x, wind_y = map(value, self.parameters)
         x, y = joint.vx - wind_x, joint.vy - wind_y
         c, s = functions.cos(joint.angle), functions.sin(joint.angle)

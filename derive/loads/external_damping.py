@@ -14,8 +14,8 @@ C_EXT, _ = parameters("external_damping")
 
 
 class ExternalDamping(JointDrag):
-    """-c_ext s a m v (thesis 2.56, 2.58), where s is the fin factor of the joint and
-    a = |sin(angle of v - angle of the rod)| the share of v across the rod."""
+    """Damping force -c_ext s a m v (thesis 2.56, 2.58), s the fin factor of the joint, and a =
+    |sin(angle of v - angle of the rod)| the share of v across the rod."""
 
     letter = "D_e"
     name = "drag"
@@ -27,8 +27,8 @@ class ExternalDamping(JointDrag):
         return -factor * joint.vx, -factor * joint.vy
 
     def force_by_hand(self, joint: JointMotion, value: Value, functions: Any) -> Pair:
-        """Minus D_x and D_y as the thesis has them (2.56 to 2.59), by the angle of the velocity:
-        D = c_ext s |sin(atan2(v_y, v_x) - angle)| m v."""
+        """Force on a joint, minus D_x and D_y of the thesis (2.56 to 2.59), by the angle of the
+        velocity: D = c_ext s |sin(atan2(v_y, v_x) - angle)| m v."""
         a = abs(functions.sin(functions.atan2(joint.vy, joint.vx) - joint.angle))
         (fin,) = joint.factors
         factor = value(C_EXT) * fin * a * joint.mass

@@ -19,7 +19,7 @@ class Follower(PointForce):
 
     def base_by_hand(self, rod: ClosedForm, value: Value) -> Pair:
         """-P (cos, sin)(phi_{n-1} + nu) (thesis 2.46, for thrust)."""
-        if self.inside:
+        if self.is_inside:
             return super().base_by_hand(rod, value)
         P, nu = map(value, self.parameters)
         along = rod.phi[rod.n - 1] + nu
@@ -27,7 +27,7 @@ class Follower(PointForce):
 
     def link_by_hand(self, rod: ClosedForm, i: Num, value: Value) -> Num:
         """P l sin(phi_i - phi_{n-1} - nu) (thesis 2.47, for thrust)."""
-        if self.inside:
+        if self.is_inside:
             return super().link_by_hand(rod, i, value)
         P, nu = map(value, self.parameters)
         return P * rod.l * rod.sin(rod.phi[i] - (rod.phi[rod.n - 1] + nu))

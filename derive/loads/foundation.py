@@ -15,15 +15,15 @@ AXIS = parameters("foundation")[0]
 
 
 class Foundation(JointAnchor):
-    """Energy k w^2/2 of every joint, w its way across an axis through the origin."""
+    """Springs of energy k w^2/2, and dampers; w: distance from an axis through the origin."""
 
     letter = "W"
 
-    def stored(self, joint: JointMotion) -> Expr:
+    def spring_energy(self, joint: JointMotion) -> Expr:
         k, _ = joint.factors
         return k * (cos(AXIS) * joint.y - sin(AXIS) * joint.x) ** 2 / 2
 
-    def damper(self, joint: JointMotion) -> Vector:
+    def damper_force(self, joint: JointMotion) -> Vector:
         _, c = joint.factors
         force = -c * (cos(AXIS) * joint.vy - sin(AXIS) * joint.vx)
         return -sin(AXIS) * force, cos(AXIS) * force
@@ -31,17 +31,17 @@ class Foundation(JointAnchor):
     def spring_by_hand(self, joint: JointMotion, value: Value, functions: Any) -> Pair:
         """-k w along the normal (-sin, cos) of the axis."""
         k, _ = joint.factors
-        return self._normal(-k, joint.x, joint.y, value, functions)
+        return self._normal_force(-k, joint.x, joint.y, value, functions)
 
     def damper_by_hand(self, joint: JointMotion, value: Value, functions: Any) -> Pair:
-        """-c dw/dt, likewise."""
+        """-c dw/dt along the normal of the axis."""
         _, c = joint.factors
-        return self._normal(-c, joint.vx, joint.vy, value, functions)
+        return self._normal_force(-c, joint.vx, joint.vy, value, functions)
 
     def rest_by_hand(self, joint: JointMotion, value: Value) -> Pair:
         return 0 * joint.x, 0 * joint.y
 
-    def _normal(self, factor: Num, x: Num, y: Num, value: Value, functions: Any) -> Pair:
+    def _normal_force(self, factor: Num, x: Num, y: Num, value: Value, functions: Any) -> Pair:
         c, s = functions.cos(value(AXIS)), functions.sin(value(AXIS))
         way = c * y - s * x
         return -s * factor * way, c * factor * way

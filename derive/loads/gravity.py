@@ -24,7 +24,7 @@ class Gravity(MassForce):
 
     def link_by_hand(self, rod: ClosedForm, i: Num, value: Value) -> Num:
         """-g m l (n - i - 1/2) cos phi_i (thesis 2.64)."""
-        along, across = rod.first(i)
+        along, across = rod.first_moment(i)
         lever = along * rod.cos(rod.phi[i]) - across * rod.sin(rod.phi[i])
         return -value(G) * rod.l * lever
 

@@ -3,7 +3,7 @@
 from sympy import Expr
 
 from ..closed_form import ClosedForm, Num
-from ..rod import Joint
+from ..link_properties import Joint
 from ..symbols import m, parameters
 from .kinds import JointMoment, Value
 
@@ -18,7 +18,7 @@ class InternalDamping(JointMoment):
     def moment(self, before: Expr, after: Expr, joint: Joint) -> Expr:
         return -C_INT * m * joint.size * (after - before)
 
-    def factor_by_hand(self, rod: ClosedForm, value: Value, at: Num, size: int) -> Num:
+    def coefficient_by_hand(self, rod: ClosedForm, value: Value, at: Num, size: int) -> Num:
         """c_int m (thesis 2.52), and twice that in the root."""
         return size * value(C_INT) * rod.m
 

@@ -1,4 +1,4 @@
-"""Springs and dampers between the joints and places that do not move."""
+"""Springs and dampers between the joints and fixed points."""
 
 from __future__ import annotations
 
@@ -16,30 +16,32 @@ from .kinds import Value
 
 
 class JointAnchor(JointDrag):
-    """A force on every joint that moves, by its position and velocity: of springs, by the energy
-    that they hold, and of dampers."""
+    """Springs and dampers on every joint that moves: a force by its position, from the energy of
+    the springs, and one by its velocity."""
 
     by_position = True
 
     @abstractmethod
-    def stored(self, joint: JointMotion) -> Expr:
+    def spring_energy(self, joint: JointMotion) -> Expr:
         """Energy of the springs of a joint [J]."""
 
     @abstractmethod
-    def damper(self, joint: JointMotion) -> Vector:
+    def damper_force(self, joint: JointMotion) -> Vector:
         """Force of the dampers of a joint [N]."""
 
     def force(self, joint: JointMotion) -> Vector:
-        energy, (x, y) = self.stored(joint), self.damper(joint)
+        energy, (x, y) = self.spring_energy(joint), self.damper_force(joint)
         return x - energy.diff(joint.x), y - energy.diff(joint.y)
 
     def power(self, chain: GenericChain) -> Expr:
-        x, y = self.damper(self.motion(chain))
+        x, y = self.damper_force(self.motion(chain))
         power = x * joint_vx[joint] + y * joint_vy[joint]
-        return Sum(power, (joint, chain.hold.first_joint, n))
+        return Sum(power, (joint, chain.boundary_condition.first_joint, n))
 
     def energy(self, chain: GenericChain) -> Expr:
-        return Sum(self.stored(self.motion(chain)), (joint, chain.hold.first_joint, n))
+        return Sum(
+            self.spring_energy(self.motion(chain)), (joint, chain.boundary_condition.first_joint, n)
+        )
 
     def force_by_hand(self, joint: JointMotion, value: Value, functions: Any) -> Pair:
         spring = self.spring_by_hand(joint, value, functions)
@@ -52,8 +54,8 @@ class JointAnchor(JointDrag):
 
     @abstractmethod
     def damper_by_hand(self, joint: JointMotion, value: Value, functions: Any) -> Pair:
-        """Force of its dampers."""
+        """Force of the dampers of a joint."""
 
     @abstractmethod
     def rest_by_hand(self, joint: JointMotion, value: Value) -> Pair:
-        """Where its springs have no force."""
+        """Position at which the springs of a joint have no force."""

@@ -1,4 +1,4 @@
-"""Forces on the joints by their velocities."""
+"""Forces on the joints that depend on their velocities."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from ..closed_form import ClosedForm, Num, Pair
 from ..explicit_chain import ExplicitChain
 from ..generic_chain import GenericChain
 from ..symbols import i, joint, joint_vx, joint_vy, joint_x, joint_y, l, m, n, phi
-from .kinds import NOTHING, JointForces, Value, Work
+from .kinds import NOTHING, GeneralisedForces, JointLoad, Value
 
 # At a joint: angle of the rod, mass and length gathered there, and the speed to divide by.
 rod_angle, mass_at = IndexedBase("rod_angle", real=True), IndexedBase("joint_mass", positive=True)
@@ -26,9 +26,9 @@ divisor = IndexedBase("drag_divisor", positive=True)
 
 @dataclass(frozen=True)
 class JointMotion:
-    """What drag needs to know of a joint: its velocity, the speed to divide by, the angle of the
-    rod there (mean of the links that meet), the mass gathered there, its per_joint parameters;
-    its position, and the length gathered there (half of each link)."""
+    """Motion of a joint, as drag needs it: its velocity, the speed to divide by, the angle of the
+    rod there (mean of the links that meet), the mass gathered there, its per_joint parameters; its
+    position, and the length gathered there (half of each link)."""
 
     vx: Any
     vy: Any
@@ -67,13 +67,13 @@ def joint_angle(angles: list[Expr]) -> Expr:
     return sum(angles[1:], angles[0]) / len(angles)
 
 
-class JointDrag(JointForces):
+class JointDrag(JointLoad):
     """A force on every joint that moves, by its velocity."""
 
     by_velocity = True
 
     @property
-    def opaque(self) -> tuple[IndexedBase, ...]:
+    def force_arrays(self) -> tuple[IndexedBase, ...]:
         return self.bases
 
     @property
@@ -88,7 +88,7 @@ class JointDrag(JointForces):
     def constants(self, first_joint: int, links: int) -> list[Expr]:
         return [base[at] for at in range(first_joint, links + 1) for base in self.bases]
 
-    def rows(self, chain: ExplicitChain) -> list[list[PolyElement]]:
+    def explicit_forces(self, chain: ExplicitChain) -> list[list[PolyElement]]:
         x, y = self.bases
         generator = chain.calculus.generator
         return [
@@ -96,16 +96,16 @@ class JointDrag(JointForces):
             for at in range(chain.first_joint, chain.n + 1)
         ]
 
-    def work(self, chain: GenericChain) -> Work:
+    def generalised_forces(self, chain: GenericChain) -> GeneralisedForces:
         def total(low: Expr) -> Vector:
             x, y = (Sum(base[joint], (joint, low, n)) for base in self.bases)
             return x, y
 
-        base, after = total(chain.hold.first_joint), total(i + 1)
-        return Work(base, chain.reach * chain.lean(after))
+        base, after = total(chain.boundary_condition.first_joint), total(i + 1)
+        return GeneralisedForces(base, chain.joint_lever * chain.angle_force(after))
 
     def motion(self, chain: GenericChain) -> JointMotion:
-        """What is known of every joint."""
+        """Motion of a joint, in symbols."""
         return JointMotion(
             *(joint_vx[joint], joint_vy[joint]),
             *(divisor[joint], rod_angle[joint], mass_at[joint]),
@@ -113,17 +113,21 @@ class JointDrag(JointForces):
             *(joint_x[joint], joint_y[joint], length_at[joint]),
         )
 
-    def on_start(self, link: Expr, hold: Boundary) -> Vector:
-        """Half of it, as half of the rod that is gathered there is of that link; all of it at the
-        start of a rod that moves, and that of the wind on a start that does not."""
-        first = Integer(hold.first)
-        there = tuple(base[link] for base in self.bases) if hold.translates else self._held(first)
+    def start_force(self, link: Expr, boundary: Boundary) -> Vector:
+        """Half the force of a joint, as that link is half of the rod gathered there; the whole at a
+        start that moves, and the force of the wind at one that does not."""
+        first = Integer(boundary.first)
+        there = (
+            tuple(base[link] for base in self.bases)
+            if boundary.translates
+            else self._wind_on_held_start(first)
+        )
         pairs = zip(there, self.bases, strict=True)
         x, y = (Piecewise((e, Eq(link, first)), (base[link] / 2, True)) for e, base in pairs)
         return x, y
 
-    def _held(self, at: Expr) -> Vector:
-        """Force on a joint that does not move, of the half link behind it."""
+    def _wind_on_held_start(self, at: Expr) -> Vector:
+        """Force of the wind on a joint that does not move, by the half link behind it."""
         if self.wind == NOTHING:
             return NOTHING
         factors = tuple(base[at] for base in self.per_joint)
@@ -131,24 +135,24 @@ class JointDrag(JointForces):
         still = JointMotion(S.Zero, S.Zero, S.One, phi[at], joint_mass(1), factors, *place, l / 2)
         return self.force(still)
 
-    def arrays(self, chain: GenericChain) -> dict[IndexedBase, Expr]:
+    def joint_arrays(self, chain: GenericChain) -> dict[IndexedBase, Expr]:
         force = self.force(self.motion(chain))
         start, end = joint_angle([phi[0]]), joint_angle([phi[n - 1]])
         inner = joint_angle([phi[joint - 1], phi[joint]])
         half, whole = joint_mass(1), joint_mass(2)
         return {
             divisor: drag_divisor(joint_vx[joint], joint_vy[joint]),
-            mass_at: chain.at_ends(half, half, whole),
-            length_at: chain.at_ends(l / 2, l / 2, l),
-            rod_angle: chain.at_ends(start, end, inner),
+            mass_at: chain.piecewise_at_ends(half, half, whole),
+            length_at: chain.piecewise_at_ends(l / 2, l / 2, l),
+            rod_angle: chain.piecewise_at_ends(start, end, inner),
             **dict(zip(self.bases, force, strict=True)),
         }
 
-    def near(
+    def joint_laws(
         self, at: Expr, before: Expr | None, after: Expr | None, chain: GenericChain
     ) -> dict[Expr, Expr]:
         angle = joint_angle([a for a in (before, after) if a is not None])
-        arrays = self.arrays(chain)
+        arrays = self.joint_arrays(chain)
         laws = {base: arrays[base].subs(joint, at) for base in self.bases}
         return {base[at]: law.xreplace({rod_angle[at]: angle}) for base, law in laws.items()}
 
@@ -158,10 +162,10 @@ class JointDrag(JointForces):
 
     def base_by_hand(self, rod: ClosedForm, value: Value) -> Pair:
         """Sum of the forces on all joints that move (thesis 2.60)."""
-        x, y = (rod.total(value(base), rod.hold.first_joint, rod.n) for base in self.bases)
+        x, y = (rod.total(value(base), rod.boundary.first_joint, rod.n) for base in self.bases)
         return x, y
 
     def link_by_hand(self, rod: ClosedForm, i: Num, value: Value) -> Num:
         """l (cos phi_i sum F_y - sin phi_i sum F_x) over the joints after link i (thesis 2.60)."""
         x, y = (rod.total(value(base), i + 1, rod.n) for base in self.bases)
-        return rod.turning(i, (x, y))
+        return rod.force_moment(i, (x, y))

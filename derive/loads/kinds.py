@@ -1,4 +1,4 @@
-"""What a load may be, and what follows from its law in every derivation.
+"""Kinds of loads, and what follows from the law of each in every derivation.
 
     PointForce    a force on a point of a link, dead or turning with the link (point_force.py)
     LinkForce     a force on every link, at one share of each (link_force.py)
@@ -8,10 +8,10 @@
     JointAnchor   springs and dampers from every joint that moves to the ground (joint_anchor.py)
     LinkAnchor    springs and dampers from a point of every link to the ground (link_anchor.py)
 
-A load is an object of one of these classes: it says its law, and its kind the generalised forces
-by virtual work with n links (derivation 1) and for any n (derivation 2), the forces on joints and
-links that derivation 3 asks for, power or potential, and the generalised forces assembled by hand,
-which proofs and the check of a module compare with.
+A load is an object of one of these classes and has its law. Its kind derives from that the
+generalised forces by virtual work with n links (derivation 1) and for any n (derivation 2), the
+forces on joints and links for derivation 3, power or potential, and the generalised forces
+assembled by hand, which proofs and the check of a module compare with.
 """
 
 from __future__ import annotations
@@ -29,12 +29,12 @@ from rodgen.model.parameter import JOINTS, LINKS, Parameter
 from rodgen.model.rod import Boundary
 from rodgen.model.terms import TERMS
 
-from ..calculus import TIME
 from ..chain import Vector
 from ..closed_form import ClosedForm, Num, Pair
 from ..explicit_chain import ExplicitChain
 from ..generic_chain import GenericChain
-from ..rod import Joint
+from ..link_properties import Joint
+from ..polynomials import TIME
 from ..symbols import PARAMETERS, joint, joint_vx, joint_vy, n, omega, s
 
 # Number of a symbol, an array or an expression in the arithmetic of a proof.
@@ -43,7 +43,7 @@ NOTHING: Vector = (S.Zero, S.Zero)
 
 
 @dataclass(frozen=True)
-class Work:
+class GeneralisedForces:
     """Generalised forces of a load: on x0 and y0, and on the angle of link i."""
 
     base: Vector
@@ -51,7 +51,7 @@ class Work:
 
 
 @dataclass(frozen=True)
-class Acting:
+class AppliedForces:
     """A load as forces [N] on the joints from ``low`` to ``high``; on one joint where these are the
     same."""
 
@@ -61,7 +61,7 @@ class Acting:
 
 
 class Load(ABC):
-    """A load or a kind of damping; what is not said of a kind below does not act.
+    """Base class of loads and kinds of damping; methods not overridden have no effect.
 
     letter: of its generalised forces, in proofs; conservative: it has a potential; by_velocity,
     by_position: it follows those of the joints.
@@ -76,12 +76,12 @@ class Load(ABC):
 
     @property
     def term(self) -> str:
-        """Its name in scenes and modules: that of its file, and a number where it is not the first
-        of a scene."""
+        """Name in scenes and modules: that of its file, with a number where it is not the first of
+        a scene."""
         return self._name or type(self).__module__.rpartition(".")[2]
 
-    def placed(self, name: str, place: str) -> Self:
-        """The load by another name and at a place as `named` has it."""
+    def at_place(self, name: str, place: str) -> Self:
+        """Copy of the load with another name and a place, as `load_places` has them."""
         found = copy(self)
         found._name = name
         return found
@@ -92,18 +92,17 @@ class Load(ABC):
 
     @property
     def parameters(self) -> tuple[Symbol, ...]:
-        """The numbers in its law."""
-        return tuple(PARAMETERS[row.name] for row in self._rows if not row.several)
+        """Symbols of the numbers in its law, without arrays."""
+        return tuple(PARAMETERS[row.name] for row in self._rows if not row.is_array)
 
     @property
     def angles(self) -> tuple[Symbol, ...]:
-        """Those of them that cosine and sine are taken of."""
-        return tuple(PARAMETERS[row.name] for row in self._rows if row.angle)
+        """Parameters whose cosine and sine are taken."""
+        return tuple(PARAMETERS[row.name] for row in self._rows if row.is_angle)
 
     @property
-    def opaque(self) -> tuple[IndexedBase, ...]:
-        """Arrays of its forces and moments, where their laws are not looked into by the proofs of
-        their work."""
+    def force_arrays(self) -> tuple[IndexedBase, ...]:
+        """Arrays of its forces and moments, where the proofs of its work take them as given."""
         return ()
 
     @property
@@ -119,68 +118,68 @@ class Load(ABC):
     # Derivation 1 -----------------------------------------------------------------------------
 
     def constants(self, first_joint: int, links: int) -> list[Expr]:
-        """What its generalised forces are polynomials in, besides coordinates and rates."""
+        """Constants in which its generalised forces are polynomials, with coordinates and rates."""
         single = [p for p in self.parameters if p not in self.angles]
         return [*single, *(base[link] for base in self.per_link for link in range(links))]
 
     @abstractmethod
-    def rows(self, chain: ExplicitChain) -> list[list[PolyElement]]:
+    def explicit_forces(self, chain: ExplicitChain) -> list[list[PolyElement]]:
         """Generalised forces by virtual work, in parts to be added up."""
 
     # Derivations 2 and 3 ----------------------------------------------------------------------
 
-    def work(self, chain: GenericChain) -> Work | None:
-        """Generalised forces for any n; None of what acts across the joints."""
+    def generalised_forces(self, chain: GenericChain) -> GeneralisedForces | None:
+        """Generalised forces for any n; None for a moment across the joints."""
         return None
 
     def weight(self, mass: Expr) -> Vector:
         """Force on a mass [N]."""
         return NOTHING
 
-    def on_joint(self, at: Expr, hold: Boundary) -> Vector:
-        """Force on a joint [N], without what pulls at the tail alone."""
+    def joint_force(self, at: Expr, boundary: Boundary) -> Vector:
+        """Force on a joint [N], without forces that act on the tail alone."""
         return NOTHING
 
-    def on_start(self, link: Expr, hold: Boundary) -> Vector:
-        """What acts on a link itself [N] of the force on the joint where it starts; the rest of it
+    def start_force(self, link: Expr, boundary: Boundary) -> Vector:
+        """Part [N] of the force on the joint where a link starts that acts on this link; the rest
         acts on the link before."""
         return NOTHING
 
-    def on_link(self, link: Expr) -> Expr:
-        """Moment on a link [N m], beside those across its joints."""
+    def link_moment(self, link: Expr) -> Expr:
+        """Moment on a link [N m], besides those across its joints."""
         return S.Zero
 
-    def on_tail(self) -> Vector:
+    def tail_force(self) -> Vector:
         """Force that acts on the tail alone [N]."""
         return NOTHING
 
-    def arrays(self, chain: GenericChain) -> dict[IndexedBase, Expr]:
-        """What on_joint refers to: values over the joints that move."""
+    def joint_arrays(self, chain: GenericChain) -> dict[IndexedBase, Expr]:
+        """Arrays that joint_force refers to, over the joints that move."""
         return {}
 
-    def on_links(self) -> dict[IndexedBase, Expr]:
-        """What forces and moments refer to: values over the links that move."""
+    def link_arrays(self) -> dict[IndexedBase, Expr]:
+        """Arrays that forces and moments refer to, over the links that move."""
         return {}
 
-    def near_link(self) -> dict[Expr, Expr]:
-        """Moments on link i by what follows the state, and their law."""
+    def link_laws(self) -> dict[Expr, Expr]:
+        """Laws of moments on link i that depend on the state, by element of an array."""
         return {}
 
-    def near(
+    def joint_laws(
         self, at: Expr, before: Expr | None, after: Expr | None, chain: GenericChain
     ) -> dict[Expr, Expr]:
-        """Forces on a joint by what follows the state: elements of arrays, and their law in the
-        angles of the links before and after it (None where there is no link)."""
+        """Laws of forces on a joint that depend on the state, by element of an array, in the angles
+        of the links before and after it (None where there is no link)."""
         return {}
 
     # What a run is looked at by -----------------------------------------------------------------
 
-    def acting(self, hold: Boundary) -> Acting | None:
-        """What is shown as forces on joints."""
+    def applied_forces(self, boundary: Boundary) -> AppliedForces | None:
+        """Forces on joints that are shown; None where there are none."""
         return None
 
     def power(self, chain: GenericChain) -> Expr:
-        """Power [W] of what has no potential."""
+        """Power [W] of a load without potential."""
         raise NotImplementedError  # one with a potential has none
 
     def energy(self, chain: GenericChain) -> Expr:
@@ -199,7 +198,7 @@ class Load(ABC):
 
     def column_by_hand(self, rod: ClosedForm, value: Value) -> list[Num]:
         """Generalised forces on all coordinates, of a given number of links."""
-        base = self.base_by_hand(rod, value) if rod.hold.translates else ()
+        base = self.base_by_hand(rod, value) if rod.boundary.translates else ()
         return [*base, *(self.link_by_hand(rod, i, value) for i in rod.links)]
 
 
@@ -208,15 +207,15 @@ class MassForce(Load):
 
     conservative = True
 
-    def rows(self, chain: ExplicitChain) -> list[list[PolyElement]]:
+    def explicit_forces(self, chain: ExplicitChain) -> list[list[PolyElement]]:
         fx, fy = (chain.calculus.poly(f) for f in self.weight(S.One))
         rows = [chain.virtual_work(point, (fx, fy)) for point in chain.link_points]
-        return [[chain.over_link(e, link) for e in row] for link, row in enumerate(rows)]
+        return [[chain.integrate_over_link(e, link) for e in row] for link, row in enumerate(rows)]
 
-    def work(self, chain: GenericChain) -> Work:
+    def generalised_forces(self, chain: GenericChain) -> GeneralisedForces:
         force = self.weight(S.One)
-        x, y = (chain.lever_mass([], []) * f for f in force)
-        return Work((x, y), chain.lean_of_mass(force))
+        x, y = (chain.lever_moment([], []) * f for f in force)
+        return GeneralisedForces((x, y), chain.angle_force_of_mass(force))
 
     def potential(self, mass: Expr, x: Expr, y: Expr) -> Expr:
         """Minus the work on a mass on its way from the origin [J]."""
@@ -229,8 +228,8 @@ class MassForce(Load):
 
     def link_by_hand(self, rod: ClosedForm, i: Num, value: Value) -> Num:
         x, y = map(value, self.weight(S.One))
-        along, across = rod.first(i)
-        return along * rod.turning(i, (x, y)) + across * rod.turning(i, (y, -x))
+        along, across = rod.first_moment(i)
+        return along * rod.force_moment(i, (x, y)) + across * rod.force_moment(i, (y, -x))
 
 
 class JointMoment(Load):
@@ -242,7 +241,7 @@ class JointMoment(Load):
         """Moment across a joint [N m] on the link after it, at the rates of both links; the link
         before it, or the clamp, gets the opposite."""
 
-    def rows(self, chain: ExplicitChain) -> list[list[PolyElement]]:
+    def explicit_forces(self, chain: ExplicitChain) -> list[list[PolyElement]]:
         poly, rows = chain.calculus.poly, []
         for spring, before, after in chain.springs:
             moment = poly(self.moment(before.diff(TIME), after.diff(TIME), spring))
@@ -250,31 +249,31 @@ class JointMoment(Load):
             rows.append([moment * chain.calculus.diff(opening, q) for q in chain.coordinates])
         return rows
 
-    def inner(self, chain: GenericChain) -> Expr:
+    def inner_moment(self, chain: GenericChain) -> Expr:
         """Moment in joint s between two links."""
         return self.moment(omega[s - 1], omega[s], chain.rod.joint(s))
 
-    def root(self, chain: GenericChain) -> Expr:
+    def root_moment(self, chain: GenericChain) -> Expr:
         """Moment in the root on link 0, whose clamp does not turn; zero without a spring."""
-        return self.moment(S.Zero, omega[0], chain.rod.joint(0, chain.hold.root))
+        return self.moment(S.Zero, omega[0], chain.rod.joint(0, chain.boundary_condition.root))
 
-    def tail(self, chain: GenericChain) -> Expr:
-        """Moment in the tail on what holds it, which does not turn; zero without a spring."""
-        return self.moment(omega[n - 1], S.Zero, chain.rod.joint(n, chain.hold.tail))
+    def tail_moment(self, chain: GenericChain) -> Expr:
+        """Moment in the tail on its clamp, which does not turn; zero without a spring."""
+        return self.moment(omega[n - 1], S.Zero, chain.rod.joint(n, chain.boundary_condition.tail))
 
     def power(self, chain: GenericChain) -> Expr:
         opening = omega[s] - omega[s - 1]
-        inner = Sum(self.inner(chain) * opening, (s, 1, n - 1))
-        ends = self.root(chain) * omega[0] - self.tail(chain) * omega[n - 1]
+        inner = Sum(self.inner_moment(chain) * opening, (s, 1, n - 1))
+        ends = self.root_moment(chain) * omega[0] - self.tail_moment(chain) * omega[n - 1]
         return ends + inner
 
     @abstractmethod
-    def factor_by_hand(self, rod: ClosedForm, value: Value, at: Num, size: int) -> Num:
-        """Minus the moment of a joint of a size that opens at the rate of one."""
+    def coefficient_by_hand(self, rod: ClosedForm, value: Value, at: Num, size: int) -> Num:
+        """Damping coefficient of a joint: minus its moment where it opens at the rate of one."""
 
 
-class JointForces(Load):
-    """A load that is felt as a force on every joint that moves; name: what the arrays of the forces
+class JointLoad(Load):
+    """A load that acts as a force on every joint that moves; name: what the arrays of the forces
     are called after, by default its term."""
 
     name = ""
@@ -286,14 +285,14 @@ class JointForces(Load):
         x, y = (IndexedBase(f"{name}_{axis}", real=True) for axis in "xy")
         return x, y
 
-    def on_joint(self, at: Expr, hold: Boundary) -> Vector:
+    def joint_force(self, at: Expr, boundary: Boundary) -> Vector:
         x, y = self.bases
         return x[at], y[at]
 
-    def acting(self, hold: Boundary) -> Acting:
-        return Acting(Integer(hold.first_joint), n, self.on_joint(joint, hold))
+    def applied_forces(self, boundary: Boundary) -> AppliedForces:
+        return AppliedForces(Integer(boundary.first_joint), n, self.joint_force(joint, boundary))
 
     def power(self, chain: GenericChain) -> Expr:
         x, y = self.bases
         power = x[joint] * joint_vx[joint] + y[joint] * joint_vy[joint]
-        return Sum(power, (joint, chain.hold.first_joint, n))
+        return Sum(power, (joint, chain.boundary_condition.first_joint, n))

@@ -12,55 +12,55 @@ from sympy.polys.rings import PolyElement
 
 from rodgen.model.rod import Boundary
 
-from ..calculus import TIME
 from ..chain import OWN, Vector, combine, lever
 from ..closed_form import ClosedForm, Num, Pair
 from ..explicit_chain import ExplicitChain
 from ..generic_chain import GenericChain
+from ..polynomials import TIME
 from ..symbols import i, joint, joint_vx, joint_vy, joint_x, joint_y, n, omega, other, phi
-from .kinds import JointForces, Value, Work
+from .kinds import GeneralisedForces, JointLoad, Value
 
 PLACE = symbols("x y angle", real=True)  # of a link, of which energies are differentiated
 
 
 @dataclass(frozen=True)
 class LinkMotion:
-    """What an anchor needs to know of a link: where its point is and the angle it has, how fast
-    they change, and its per_link parameters."""
+    """Motion of a link, as an anchor needs it: position of its point and angle, how fast they
+    change, and its per_link parameters."""
 
     place: tuple[Any, ...]
     velocity: tuple[Any, ...]
     factors: tuple[Any, ...]
 
 
-class LinkAnchor(JointForces):
-    """A force on a point of every link and a moment on it, by its place and velocity: of springs,
-    by the energy that they hold, and of dampers. The first parameter of every link is the share of
-    it before the point; on the joints at both ends of a rigid link the parts of the force do what
-    the whole does there."""
+class LinkAnchor(JointLoad):
+    """Springs and dampers on a point of every link: a force and a moment by position, from the
+    energy of the springs, and by velocity. The first parameter of every link is the share of it
+    before the point; on the joints at both ends of a rigid link the parts of the force do what the
+    whole does there."""
 
     by_velocity = by_position = True
 
     @abstractmethod
-    def stored(self, link: LinkMotion) -> Expr:
+    def spring_energy(self, link: LinkMotion) -> Expr:
         """Energy of the springs of a link [J]."""
 
     @abstractmethod
-    def damper(self, link: LinkMotion) -> tuple[Expr, ...]:
+    def damper_force(self, link: LinkMotion) -> tuple[Expr, ...]:
         """Force of the dampers of a link [N] and their moment [N m]."""
 
     @property
     def share(self) -> IndexedBase:
-        """How much of a link is before its point."""
+        """Share of every link before its point."""
         return self.per_link[0]
 
     @property
-    def opaque(self) -> tuple[IndexedBase, ...]:
+    def force_arrays(self) -> tuple[IndexedBase, ...]:
         names = ("pull_x", "pull_y", "turn")
         return tuple(IndexedBase(f"{self.term}_{name}", real=True) for name in names)
 
     def _motion(self, link: Expr, at: Expr, way: Expr) -> LinkMotion:
-        """Of a link: its point is a share ``way`` of it behind joint ``at``."""
+        """Motion of a link whose point is a share ``way`` of it behind joint ``at``."""
         time_angle = dynamicsymbols("phi", real=True)
         ends = combine((S.Zero, S.Zero), [lever(OWN, way)], [time_angle])
         known = {time_angle.diff(TIME): omega[link]}
@@ -72,90 +72,96 @@ class LinkAnchor(JointForces):
             tuple(base[link] for base in self.per_link),
         )
 
-    def _law(self, motion: LinkMotion) -> list[Expr]:
-        energy = self.stored(LinkMotion(PLACE, motion.velocity, motion.factors))
+    def _forces(self, motion: LinkMotion) -> list[Expr]:
+        energy = self.spring_energy(LinkMotion(PLACE, motion.velocity, motion.factors))
         there = dict(zip(PLACE, motion.place, strict=True))
-        forces = zip(self.damper(motion), PLACE, strict=True)
+        forces = zip(self.damper_force(motion), PLACE, strict=True)
         return [damped - energy.diff(x).xreplace(there) for damped, x in forces]
 
     def constants(self, first_joint: int, links: int) -> list[Expr]:
-        pulls = [base[link] for base in self.opaque for link in range(links)]
+        pulls = [base[link] for base in self.force_arrays for link in range(links)]
         return [*super().constants(first_joint, links), *pulls]
 
-    def rows(self, chain: ExplicitChain) -> list[list[PolyElement]]:
+    def explicit_forces(self, chain: ExplicitChain) -> list[list[PolyElement]]:
         calculus, rows = chain.calculus, []
         for link in range(chain.n - len(chain.moving), chain.n):
-            fx, fy, turn = (calculus.poly(base[link]) for base in self.opaque)
+            fx, fy, turn = (calculus.poly(base[link]) for base in self.force_arrays)
             rows.append(chain.virtual_work(chain.point(link, self.share[link]), (fx, fy)))
             angle = calculus.poly(chain.angles[link])
             rows.append([turn * calculus.diff(angle, q) for q in chain.coordinates])
         return rows
 
-    def work(self, chain: GenericChain) -> Work:
-        x, y, turn = self.opaque
+    def generalised_forces(self, chain: GenericChain) -> GeneralisedForces:
+        x, y, turn = self.force_arrays
 
-        def behind(low: Expr) -> Vector:
+        def force_from(low: Expr) -> Vector:
             return Sum(x[other], (other, low, n - 1)), Sum(y[other], (other, low, n - 1))
 
-        lean = chain.lean(behind(i + 1)) + self.share[i] * chain.lean((x[i], y[i]))
-        return Work(behind(chain.hold.first), chain.reach * lean + turn[i])
+        lean = chain.angle_force(force_from(i + 1)) + self.share[i] * chain.angle_force(
+            (x[i], y[i])
+        )
+        return GeneralisedForces(
+            force_from(chain.boundary_condition.first), chain.joint_lever * lean + turn[i]
+        )
 
-    def on_link(self, link: Expr) -> Expr:
-        return self.opaque[2][link]
+    def link_moment(self, link: Expr) -> Expr:
+        return self.force_arrays[2][link]
 
-    def on_start(self, link: Expr, hold: Boundary) -> Vector:
-        x, y = ((1 - self.share[link]) * pull[link] for pull in self.opaque[:2])
+    def start_force(self, link: Expr, boundary: Boundary) -> Vector:
+        x, y = ((1 - self.share[link]) * pull[link] for pull in self.force_arrays[:2])
         return x, y
 
-    def on_links(self) -> dict[IndexedBase, Expr]:
-        laws = self._law(self._motion(i, i, self.share[i]))
-        return dict(zip(self.opaque, laws, strict=True))
+    def link_arrays(self) -> dict[IndexedBase, Expr]:
+        laws = self._forces(self._motion(i, i, self.share[i]))
+        return dict(zip(self.force_arrays, laws, strict=True))
 
-    def arrays(self, chain: GenericChain) -> dict[IndexedBase, Expr]:
+    def joint_arrays(self, chain: GenericChain) -> dict[IndexedBase, Expr]:
         found = {}
-        for base, pull in zip(self.bases, self.opaque, strict=False):
+        for base, pull in zip(self.bases, self.force_arrays, strict=False):
             start = (1 - self.share[joint]) * pull[joint]
             end = self.share[joint - 1] * pull[joint - 1]
-            found[base] = chain.at_ends(start, end, start + end)
+            found[base] = chain.piecewise_at_ends(start, end, start + end)
         return found
 
-    def near(
+    def joint_laws(
         self, at: Expr, before: Expr | None, after: Expr | None, chain: GenericChain
     ) -> dict[Expr, Expr]:
         laws = []
         if after is not None:
             share = self.share[at]
-            laws.append((1 - share, self._law(self._motion(at, at, share))))
+            laws.append((1 - share, self._forces(self._motion(at, at, share))))
         if before is not None:
             share = self.share[at - 1]
-            laws.append((share, self._law(self._motion(at - 1, at, share - 1))))
+            laws.append((share, self._forces(self._motion(at - 1, at, share - 1))))
         totals = (sum((share * law[axis] for share, law in laws), S.Zero) for axis in (0, 1))
         return {base[at]: total for base, total in zip(self.bases, totals, strict=True)}
 
-    def near_link(self) -> dict[Expr, Expr]:
-        turn = self._law(self._motion(i, i, self.share[i]))[2]
-        return {self.opaque[2][i]: turn}
+    def link_laws(self) -> dict[Expr, Expr]:
+        turn = self._forces(self._motion(i, i, self.share[i]))[2]
+        return {self.force_arrays[2][i]: turn}
 
     def power(self, chain: GenericChain) -> Expr:
         motion = self._motion(i, i, self.share[i])
-        pairs = zip(self.damper(motion), motion.velocity, strict=True)
-        return Sum(sum(f * v for f, v in pairs), (i, chain.hold.first, n - 1))
+        pairs = zip(self.damper_force(motion), motion.velocity, strict=True)
+        return Sum(sum(f * v for f, v in pairs), (i, chain.boundary_condition.first, n - 1))
 
     def energy(self, chain: GenericChain) -> Expr:
-        stored = self.stored(self._motion(i, i, self.share[i]))
-        return Sum(stored, (i, chain.hold.first, n - 1))
+        stored = self.spring_energy(self._motion(i, i, self.share[i]))
+        return Sum(stored, (i, chain.boundary_condition.first, n - 1))
 
     # Assembled by hand ------------------------------------------------------------------------
 
     def base_by_hand(self, rod: ClosedForm, value: Value) -> Pair:
-        x, y, _ = (rod.total(value(base), rod.hold.first, rod.n - 1) for base in self.opaque)
+        x, y, _ = (
+            rod.total(value(base), rod.boundary.first, rod.n - 1) for base in self.force_arrays
+        )
         return x, y
 
     def link_by_hand(self, rod: ClosedForm, i: Num, value: Value) -> Num:
-        x, y, turn = map(value, self.opaque)
+        x, y, turn = map(value, self.force_arrays)
         behind = rod.total(x, i + 1, rod.n - 1), rod.total(y, i + 1, rod.n - 1)
-        own = value(self.share)[i] * rod.turning(i, (x[i], y[i]))
-        return rod.turning(i, behind) + own + turn[i]
+        own = value(self.share)[i] * rod.force_moment(i, (x[i], y[i]))
+        return rod.force_moment(i, behind) + own + turn[i]
 
     @abstractmethod
     def spring_by_hand(self, link: LinkMotion, value: Value, functions: Any) -> tuple[Num, ...]:
@@ -163,8 +169,8 @@ class LinkAnchor(JointForces):
 
     @abstractmethod
     def damper_by_hand(self, link: LinkMotion, value: Value, functions: Any) -> tuple[Num, ...]:
-        """Force of its dampers, and their moment."""
+        """Force of the dampers of a link, and their moment."""
 
     @abstractmethod
     def rest_by_hand(self, link: LinkMotion, value: Value) -> tuple[Num, ...]:
-        """Where its springs have no force, and the angle without a moment."""
+        """Position without a force of the springs of a link, and angle without a moment."""

@@ -14,12 +14,12 @@ from ..closed_form import ClosedForm, Num, Pair
 from ..explicit_chain import ExplicitChain
 from ..generic_chain import GenericChain
 from ..symbols import HALF, i, joint, n, other, phi
-from .kinds import JointForces, Value, Work
+from .kinds import GeneralisedForces, JointLoad, Value
 
 
-class LinkForce(JointForces):
+class LinkForce(JointLoad):
     """A force on every link at the fraction ``share`` of it. On the joints at both ends of a rigid
-    link its parts do what the whole does there."""
+    link its parts have the same effect as the whole."""
 
     share: Expr = HALF
 
@@ -27,24 +27,26 @@ class LinkForce(JointForces):
     def force(self, angle: Expr, link: Expr) -> Vector:
         """The force on a link [N], where that has this angle."""
 
-    def rows(self, chain: ExplicitChain) -> list[list[PolyElement]]:
+    def explicit_forces(self, chain: ExplicitChain) -> list[list[PolyElement]]:
         poly, rows = chain.calculus.poly, []
         for link, angle in enumerate(chain.angles):
             fx, fy = map(poly, self.force(angle, link))
             rows.append(chain.virtual_work(chain.point(link, self.share), (fx, fy)))
         return rows
 
-    def work(self, chain: GenericChain) -> Work:
-        def behind(low: Expr) -> Vector:
+    def generalised_forces(self, chain: GenericChain) -> GeneralisedForces:
+        def force_from(low: Expr) -> Vector:
             x, y = (Sum(f, (other, low, n - 1)) for f in self.force(phi[other], other))
             return x, y
 
-        own = expand(chain.lean(self.force(phi[i], i)))
-        lean = chain.lean(behind(i + 1)) + self.share * own
-        return Work(behind(chain.hold.first), chain.reach * lean)
+        own = expand(chain.angle_force(self.force(phi[i], i)))
+        lean = chain.angle_force(force_from(i + 1)) + self.share * own
+        return GeneralisedForces(
+            force_from(chain.boundary_condition.first), chain.joint_lever * lean
+        )
 
-    def _law(self, at: Expr, before: Expr | None, after: Expr | None) -> Vector:
-        """The force on a joint where links of these angles meet; None where there is none."""
+    def _force_at_joint(self, at: Expr, before: Expr | None, after: Expr | None) -> Vector:
+        """Force on a joint where links of these angles meet; None stands for no link."""
         ends = [(self.share, before, at - 1), (1 - self.share, after, at)]
         parts = [
             [share * f for f in self.force(angle, link)]
@@ -54,20 +56,24 @@ class LinkForce(JointForces):
         x, y = map(sum, zip(*parts, strict=True))
         return x, y
 
-    def on_start(self, link: Expr, hold: Boundary) -> Vector:
+    def start_force(self, link: Expr, boundary: Boundary) -> Vector:
         x, y = ((1 - self.share) * f for f in self.force(phi[link], link))
         return x, y
 
-    def arrays(self, chain: GenericChain) -> dict[IndexedBase, Expr]:
-        start = self._law(joint, None, phi[joint])
-        end = self._law(joint, phi[joint - 1], None)
-        cases = zip(start, end, self._law(joint, phi[joint - 1], phi[joint]), strict=True)
-        return {b: chain.at_ends(*case) for b, case in zip(self.bases, cases, strict=True)}
+    def joint_arrays(self, chain: GenericChain) -> dict[IndexedBase, Expr]:
+        start = self._force_at_joint(joint, None, phi[joint])
+        end = self._force_at_joint(joint, phi[joint - 1], None)
+        cases = zip(
+            start, end, self._force_at_joint(joint, phi[joint - 1], phi[joint]), strict=True
+        )
+        return {
+            b: chain.piecewise_at_ends(*case) for b, case in zip(self.bases, cases, strict=True)
+        }
 
-    def near(
+    def joint_laws(
         self, at: Expr, before: Expr | None, after: Expr | None, chain: GenericChain
     ) -> dict[Expr, Expr]:
-        law = self._law(at, before, after)
+        law = self._force_at_joint(at, before, after)
         return {base[at]: f for base, f in zip(self.bases, law, strict=True)}
 
     def force_by_hand(self, rod: ClosedForm, link: Num, value: Value) -> Pair:
@@ -76,14 +82,14 @@ class LinkForce(JointForces):
         return x, y
 
     def base_by_hand(self, rod: ClosedForm, value: Value) -> Pair:
-        return self._behind(rod, rod.hold.first, value)
+        return self._force_from(rod, rod.boundary.first, value)
 
     def link_by_hand(self, rod: ClosedForm, i: Num, value: Value) -> Num:
-        own = rod.turning(i, self.force_by_hand(rod, i, value))
-        behind = rod.turning(i, self._behind(rod, i + 1, value))
+        own = rod.force_moment(i, self.force_by_hand(rod, i, value))
+        behind = rod.force_moment(i, self._force_from(rod, i + 1, value))
         return behind + value(self.share) * own
 
-    def _behind(self, rod: ClosedForm, low: Num, value: Value) -> Pair:
+    def _force_from(self, rod: ClosedForm, low: Num, value: Value) -> Pair:
         """Sum of the forces on a link and on all after it."""
 
         def total(axis: int) -> Num:

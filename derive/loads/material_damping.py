@@ -3,7 +3,7 @@
 from sympy import Expr
 
 from ..closed_form import ClosedForm, Num
-from ..rod import Joint
+from ..link_properties import Joint
 from ..symbols import parameters
 from .kinds import JointMoment, Value
 
@@ -19,9 +19,9 @@ class MaterialDamping(JointMoment):
     def moment(self, before: Expr, after: Expr, joint: Joint) -> Expr:
         return -TAU * joint.stiffness * (after - before)
 
-    def factor_by_hand(self, rod: ClosedForm, value: Value, at: Num, size: int) -> Num:
+    def coefficient_by_hand(self, rod: ClosedForm, value: Value, at: Num, size: int) -> Num:
         """tau k of the joint."""
-        return value(TAU) * rod.spring(at, size)
+        return value(TAU) * rod.spring_stiffness(at, size)
 
 
 LOAD = MaterialDamping()

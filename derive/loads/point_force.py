@@ -16,11 +16,11 @@ from ..closed_form import ClosedForm, Num, Pair
 from ..explicit_chain import ExplicitChain
 from ..generic_chain import GenericChain
 from ..symbols import i, joint, joint_vx, joint_vy, n, phi
-from .kinds import NOTHING, Acting, Load, Value, Work
+from .kinds import NOTHING, AppliedForces, GeneralisedForces, Load, Value
 
 
 @dataclass(frozen=True)
-class Point:
+class LinkPoint:
     """The point at the fraction ``share`` of a link; links are counted from either end."""
 
     link: Expr
@@ -28,20 +28,20 @@ class Point:
 
     @property
     def parts(self) -> list[tuple[Expr, Expr]]:
-        """Joints on which a force at the point is felt, with its shares there: on a rigid link
-        those two forces do what the one does."""
+        """Joints that take a force at the point, each with its share: on a rigid link those two
+        forces have the same effect as the one."""
         ends = ((self.link, 1 - self.share), (self.link + 1, self.share))
         return [(at, share) for at, share in ends if share != 0]
 
     @classmethod
-    def at(cls, place: str) -> Point:
-        """The point of a place: a link by its number, and the share before it, as in 6+1/10; the
-        tail, if it is empty."""
+    def parse(cls, place: str) -> LinkPoint:
+        """Point of a place: a link by its number, and the share before it, as in 6+1/10; the tail,
+        if it is empty."""
         link, _, share = place.partition("+")
         return cls(Integer(link), Rational(share or 0)) if place else TAIL
 
 
-TAIL = Point(n - 1)
+TAIL = LinkPoint(n - 1)
 
 
 class PointForce(Load):
@@ -49,9 +49,9 @@ class PointForce(Load):
 
     point = TAIL
 
-    def placed(self, name: str, place: str) -> Self:
-        found = super().placed(name, place)
-        found.point = Point.at(place)
+    def at_place(self, name: str, place: str) -> Self:
+        found = super().at_place(name, place)
+        found.point = LinkPoint.parse(place)
         return found
 
     @abstractmethod
@@ -63,17 +63,17 @@ class PointForce(Load):
         return self.force(phi[self.point.link])
 
     @property
-    def _follows(self) -> bool:
+    def _is_follower(self) -> bool:
         return any(f.has(phi) for f in self._force)
 
     @property
-    def inside(self) -> bool:
+    def is_inside(self) -> bool:
         """Whether it acts elsewhere than on the tail alone."""
         return self.point != TAIL
 
-    def _moved(self, hold: Boundary) -> list[tuple[Expr, Expr]]:
+    def _moving_parts(self, boundary: Boundary) -> list[tuple[Expr, Expr]]:
         """Its parts on joints that are not held."""
-        low = hold.first_joint
+        low = boundary.first_joint
         return [(at, x) for at, x in self.point.parts if not (at.is_Integer and at < low)]
 
     @property
@@ -81,47 +81,51 @@ class PointForce(Load):
         x, y = (IndexedBase(f"joint_{self.term}_{axis}", real=True) for axis in "xy")
         return x, y
 
-    def rows(self, chain: ExplicitChain) -> list[list[PolyElement]]:
+    def explicit_forces(self, chain: ExplicitChain) -> list[list[PolyElement]]:
         link = int(self.point.link.subs(n, chain.n))
         fx, fy = (chain.calculus.poly(f) for f in self.force(chain.angles[link]))
         return [chain.virtual_work(chain.point(link, self.point.share), (fx, fy))]
 
-    def work(self, chain: GenericChain) -> Work:
-        if not self.inside:
-            return Work(self._force, chain.reach * chain.lean(self._force))
+    def generalised_forces(self, chain: GenericChain) -> GeneralisedForces:
+        if not self.is_inside:
+            return GeneralisedForces(
+                self._force, chain.joint_lever * chain.angle_force(self._force)
+            )
         link, share = self.point.link, self.point.share
         passed = (S.One, i <= link) if share == 1 else (S.One, i < link)
         arm = Piecewise(passed, (share, i <= link), (S.Zero, True))
-        return Work(self._force, chain.reach * arm * chain.lean(self._force))
+        return GeneralisedForces(
+            self._force, chain.joint_lever * arm * chain.angle_force(self._force)
+        )
 
-    def on_joint(self, at: Expr, hold: Boundary) -> Vector:
-        if not self.inside or not self._moved(hold):
+    def joint_force(self, at: Expr, boundary: Boundary) -> Vector:
+        if not self.is_inside or not self._moving_parts(boundary):
             return NOTHING
         x, y = (b[at] if f != 0 else S.Zero for b, f in zip(self._bases, self._force, strict=True))
         return x, y
 
-    def on_start(self, link: Expr, hold: Boundary) -> Vector:
+    def start_force(self, link: Expr, boundary: Boundary) -> Vector:
         if self.point.share == 1:
             return NOTHING
         x, y = ((1 - self.point.share) * f for f in self._force)
         here = Eq(link, self.point.link)
         return Piecewise((x, here), (S.Zero, True)), Piecewise((y, here), (S.Zero, True))
 
-    def on_tail(self) -> Vector:
-        return NOTHING if self.inside else self._force
+    def tail_force(self) -> Vector:
+        return NOTHING if self.is_inside else self._force
 
-    def arrays(self, chain: GenericChain) -> dict[IndexedBase, Expr]:
-        parts = self._moved(chain.hold) if self.inside else []
+    def joint_arrays(self, chain: GenericChain) -> dict[IndexedBase, Expr]:
+        parts = self._moving_parts(chain.boundary_condition) if self.is_inside else []
 
-        def spread(value: Expr) -> Expr:
+        def distribute(value: Expr) -> Expr:
             return Piecewise(
                 *((share * value, Eq(joint, at)) for at, share in parts), (S.Zero, True)
             )
 
         if not parts:
             return {}
-        arrays = {b: spread(f) for b, f in zip(self._bases, self._force, strict=True) if f != 0}
-        if self._follows:
+        arrays = {b: distribute(f) for b, f in zip(self._bases, self._force, strict=True) if f != 0}
+        if self._is_follower:
             for base, (at, share) in zip(self._shares, self.point.parts, strict=True):
                 arrays[base] = Piecewise((share, Eq(joint, at)), (S.Zero, True))
         return arrays
@@ -134,10 +138,12 @@ class PointForce(Load):
             for at, _ in self.point.parts
         ]
 
-    def near(
+    def joint_laws(
         self, at: Expr, before: Expr | None, after: Expr | None, chain: GenericChain
     ) -> dict[Expr, Expr]:
-        if not (self.inside and self._follows and self._moved(chain.hold)):
+        if not (
+            self.is_inside and self._is_follower and self._moving_parts(chain.boundary_condition)
+        ):
             return {}
         law = [S.Zero, S.Zero]
         for share, (joint_, _) in zip(self._shares, self.point.parts, strict=True):
@@ -146,15 +152,15 @@ class PointForce(Load):
                 law = [e + share[at] * f for e, f in zip(law, self.force(angle), strict=True)]
         return {base[at]: e for base, e in zip(self._bases, law, strict=True)}
 
-    def acting(self, hold: Boundary) -> Acting:
+    def applied_forces(self, boundary: Boundary) -> AppliedForces:
         (low, first), (high, second) = self.point.parts[0], self.point.parts[-1]
         if low == high:
-            return Acting(low, low, self._force)
+            return AppliedForces(low, low, self._force)
         x, y = (Piecewise((first * f, Eq(joint, low)), (second * f, True)) for f in self._force)
-        return Acting(low, high, (x, y))
+        return AppliedForces(low, high, (x, y))
 
     def power(self, chain: GenericChain) -> Expr:
-        parts, (fx, fy) = self._moved(chain.hold), self._force
+        parts, (fx, fy) = self._moving_parts(chain.boundary_condition), self._force
         return sum((x * (fx * joint_vx[at] + fy * joint_vy[at]) for at, x in parts), start=S.Zero)
 
     def base_by_hand(self, rod: ClosedForm, value: Value) -> Pair:
@@ -162,7 +168,7 @@ class PointForce(Load):
         return x, y
 
     def link_by_hand(self, rod: ClosedForm, i: Num, value: Value) -> Num:
-        turning = rod.turning(i, self.base_by_hand(rod, value))
-        if not self.inside:
+        turning = rod.force_moment(i, self.base_by_hand(rod, value))
+        if not self.is_inside:
             return turning
-        return rod.arm(i, self.point.link.subs(n, rod.n), value(self.point.share)) * turning
+        return rod.lever_share(i, self.point.link.subs(n, rod.n), value(self.point.share)) * turning

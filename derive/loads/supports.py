@@ -13,21 +13,21 @@ ANGLE = parameters("supports")[0]
 
 
 class Supports(LinkAnchor):
-    """Energy (k_x (x - x_0)^2 + k_y (y - y_0)^2 + kappa (phi - phi_0)^2)/2 of every link."""
+    """Springs of energy (k_x (x - x_0)^2 + k_y (y - y_0)^2 + kappa (phi - phi_0)^2)/2; dampers."""
 
     letter = "R"
 
-    def stored(self, link: LinkMotion) -> Expr:
+    def spring_energy(self, link: LinkMotion) -> Expr:
         _, x0, y0, kx, ky, _, _, kappa, _ = link.factors
         x, y, angle = link.place
         return (kx * (x - x0) ** 2 + ky * (y - y0) ** 2 + kappa * (angle - ANGLE) ** 2) / 2
 
-    def damper(self, link: LinkMotion) -> tuple[Expr, ...]:
+    def damper_force(self, link: LinkMotion) -> tuple[Expr, ...]:
         *_, cx, cy, _, chi = link.factors
         return tuple(-c * v for c, v in zip((cx, cy, chi), link.velocity, strict=True))
 
     def spring_by_hand(self, link: LinkMotion, value: Value, functions: Any) -> tuple[Num, ...]:
-        """-k times the way from where it rests."""
+        """-k times the displacement from rest."""
         _, _, _, kx, ky, _, _, kappa, _ = link.factors
         rest = self.rest_by_hand(link, value)
         ways = zip((kx, ky, kappa), link.place, rest, strict=True)

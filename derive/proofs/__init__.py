@@ -1,5 +1,5 @@
-"""Comparisons that prove a structure: any_n for every number of links, explicit entry by entry
-with LagrangesMethod, points in rational numbers, joint_forces for derivation 3."""
+"""Comparisons that prove a structure: any_n for every number of links, explicit_proof by entries
+with LagrangesMethod, rational_points in exact numbers, joint_force_proof for derivation 3."""
 
 from __future__ import annotations
 
@@ -7,9 +7,9 @@ from collections.abc import Iterator, Sequence
 
 from .any_n import prove_any_n
 from .comparison import Comparison, DisagreementError
-from .explicit import prove_explicit
-from .joint_forces import prove_joint_forces
-from .points import prove_at_points
+from .explicit_proof import prove_explicit
+from .joint_force_proof import prove_joint_forces
+from .rational_points import prove_at_points
 
 __all__ = ["Comparison", "DisagreementError", "comparisons"]
 
@@ -21,12 +21,12 @@ def comparisons(
     terms: Sequence[str],
     explicit: bool,
     most_joints: int,
-    uneven: Sequence[str] = (),
+    nonuniform: Sequence[str] = (),
 ) -> Iterator[Comparison]:
-    """Derivation 2 for any n, then derivation 1 at n links or, where ``explicit`` is not wanted,
-    exact evaluation at random rational points, then derivation 3 at so many links at most; raises
+    """Compare derivation 2 for any n, then derivation 1 at n links or, without ``explicit``, exact
+    values at random rational points, then derivation 3 at up to ``most_joints`` links; raises
     DisagreementError."""
-    yield from prove_any_n(boundary, inertia, terms, uneven)
+    yield from prove_any_n(boundary, inertia, terms, nonuniform)
     prove = prove_explicit if explicit else prove_at_points
-    yield from prove(links, boundary, inertia, terms, uneven)
-    yield from prove_joint_forces(min(links, most_joints), boundary, inertia, terms, uneven)
+    yield from prove(links, boundary, inertia, terms, nonuniform)
+    yield from prove_joint_forces(min(links, most_joints), boundary, inertia, terms, nonuniform)

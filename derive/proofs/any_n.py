@@ -1,4 +1,4 @@
-"""Derivation 2 against the closed form, for symbolic n, i and j."""
+"""Derivation 2 compared with the closed form, for symbolic n, i and j."""
 
 from __future__ import annotations
 
@@ -9,13 +9,13 @@ from typing import Any
 import sympy
 from sympy import Add, Expr, IndexedBase, Integer, S, Sum, Symbol, expand, expand_trig, symbols
 
-from ..closed_form import Arithmetic, ClosedForm, differing_links, link_sizes
-from ..general import Equations
+from ..closed_form import Arithmetic, ClosedForm, link_masses, link_sizes
+from ..general import GeneralEquations
+from ..link_properties import joint_stiffness
 from ..loads import TERMS
 from ..loads.joint_drag import JointDrag, JointMotion, divisor, length_at, mass_at, rod_angle
 from ..loads.kinds import JointMoment, Load
 from ..loads.point_force import PointForce
-from ..rod import joint_stiffness
 from ..symbols import (
     ALPHA,
     HALF,
@@ -49,22 +49,22 @@ SYMBOLIC = Arithmetic(
 
 
 def prove_any_n(
-    boundary: str, inertia: str, terms: Sequence[str] = TERMS, uneven: Sequence[str] = ()
+    boundary: str, inertia: str, terms: Sequence[str] = TERMS, nonuniform: Sequence[str] = ()
 ) -> Iterator[Comparison]:
-    """Sizes of a link, every kind of entry of M, Q, K and the loads; raises DisagreementError."""
-    yield _same("sizes", _sizes())
-    derived = Equations(boundary, inertia, tuple(terms), tuple(uneven))
-    differing = joint_stiffness if "stiffness" in uneven else None
+    """Compare link sizes, all kinds of entries of M, Q, K, and loads; raises DisagreementError."""
+    yield _compare("sizes", _sizes())
+    derived = GeneralEquations(boundary, inertia, tuple(terms), tuple(nonuniform))
+    differing = joint_stiffness if "stiffness" in nonuniform else None
     lumped = inertia == "lumped"
-    links = differing_links(uneven, PARAMETERS.__getitem__, lumped, HALF)
-    sizes = (n, m, l, k, phi, derived.hold, SYMBOLIC, lumped, differing, links)
+    links = link_masses(nonuniform, PARAMETERS.__getitem__, lumped, HALF)
+    sizes = (n, m, l, k, phi, derived.boundary_condition, SYMBOLIC, lumped, differing, links)
     closed = ClosedForm(*sizes)
     for name, pairs in _matrices(derived, closed).items():
-        yield _same(name, pairs)
+        yield _compare(name, pairs)
     for load in derived.loads.values():
-        yield _same(load.letter, _load(derived, closed, load))
+        yield _compare(load.letter, _load_pairs(derived, closed, load))
         if isinstance(load, JointDrag):
-            yield _drag_law(derived, load)
+            yield _compare_drag_law(derived, load)
 
 
 def _sizes() -> Pairs:
@@ -73,9 +73,13 @@ def _sizes() -> Pairs:
     return list(zip((derived[m], derived[l], derived[k]), link_sizes(M, L, EI, n), strict=True))
 
 
-def _matrices(derived: Equations, closed: ClosedForm) -> dict[str, Pairs]:
-    base = derived.hold.translates
-    pair = (i, j, j if derived.rod.heavy else later)  # entries of links i < j, where they differ
+def _matrices(derived: GeneralEquations, closed: ClosedForm) -> dict[str, Pairs]:
+    base = derived.boundary_condition.translates
+    pair = (
+        i,
+        j,
+        j if derived.rod.has_link_masses else later,
+    )  # entries of links i < j, where they differ
     M: Pairs = [
         (derived.mass_link, closed.M_link(i)),
         (derived.mass_link_link, closed.M_link_link(*pair)),
@@ -85,12 +89,12 @@ def _matrices(derived: Equations, closed: ClosedForm) -> dict[str, Pairs]:
         M.append((derived.mass_base, closed.M_base()))
         M += zip(derived.mass_base_link, closed.M_base_link(i), strict=True)
         Q += zip(derived.velocity_base_link, closed.Q_base_link(i), strict=True)
-    K = _bending(
+    K = _bending_pairs(
         derived,
         (derived.spring, derived.root_spring, derived.tail_spring),
         phi,
         closed,
-        closed.spring,
+        closed.spring_stiffness,
         ALPHA,
     )
     steps: Pairs = []
@@ -101,49 +105,53 @@ def _matrices(derived: Equations, closed: ClosedForm) -> dict[str, Pairs]:
     return {"M": M, "Q": Q, "K": K, "joints": steps}
 
 
-def _load(derived: Equations, closed: ClosedForm, load: Load) -> Pairs:
-    """Generalised forces of a load; of one that does not act alike on all links, on the link of its
-    point and on those next to it."""
+def _load_pairs(derived: GeneralEquations, closed: ClosedForm, load: Load) -> Pairs:
+    """Pairs of generalised forces of a load; of a force at a point inside, on the link of its point
+    and on those next to it."""
     if isinstance(load, JointMoment):
-        moments = load.inner(derived), load.root(derived), load.tail(derived)
-        factor = partial(load.factor_by_hand, closed, _same_symbol)
-        return _bending(derived, moments, omega, closed, factor, S.Zero)
-    work = load.work(derived)
+        moments = load.inner_moment(derived), load.root_moment(derived), load.tail_moment(derived)
+        factor = partial(load.coefficient_by_hand, closed, _identity)
+        return _bending_pairs(derived, moments, omega, closed, factor, S.Zero)
+    work = load.generalised_forces(derived)
     assert work is not None
     links = [i]
-    if isinstance(load, PointForce) and load.inside:
+    if isinstance(load, PointForce) and load.is_inside:
         near = (load.point.link + d for d in (-1, 0, 1))
-        links = [link for link in near if not (link.is_Integer and link < derived.hold.first)]
-    pairs = [(work.link.subs(i, at), load.link_by_hand(closed, at, _same_symbol)) for at in links]
-    if derived.hold.translates:
-        pairs += zip(work.base, load.base_by_hand(closed, _same_symbol), strict=True)
+        links = [
+            link
+            for link in near
+            if not (link.is_Integer and link < derived.boundary_condition.first)
+        ]
+    pairs = [(work.link.subs(i, at), load.link_by_hand(closed, at, _identity)) for at in links]
+    if derived.boundary_condition.translates:
+        pairs += zip(work.base, load.base_by_hand(closed, _identity), strict=True)
     return pairs
 
 
-def _same_symbol(of: Expr) -> Expr:
-    """Numbers of a load are its symbols here."""
+def _identity(of: Expr) -> Expr:
+    """Return the symbol: it stands for the number of a load here."""
     return of
 
 
-def _bending(
-    derived: Equations,
+def _bending_pairs(
+    derived: GeneralEquations,
     moments: tuple[Expr, Expr, Expr],
     of: IndexedBase,
     closed: ClosedForm,
     factor: Callable[[Any, int], Any],
     clamp: Expr,
 ) -> Pairs:
-    """What the joints at its ends do to a link, against its row of K or D_i: for a link inside,
-    for the first of all, and for the last. moments: of an inner joint, the root and the tail;
-    factor: what a joint of a size has in the closed form; clamp: what stands before the first link
-    and behind the last."""
+    """Pairs of the moment of the joints at its ends on a link and its row of K or D_i: for a link
+    inside, for the first of all, and for the last. moments: of an inner joint, the root and the
+    tail; factor: coefficient of a joint of a size in the closed form; clamp: angle or rate before
+    the first link and behind the last."""
     pairs = []
     inner, root, tail = moments
-    places = {"inside": (1, 1), "tail": (1, closed.tail), "start": (closed.root, 1)}
+    places = {"inside": (1, 1), "tail": (1, closed.tail_size), "start": (closed.root_size, 1)}
     for where, ends in places.items():
-        if where == "start" and derived.hold.first:
+        if where == "start" and derived.boundary_condition.first:
             continue
-        work = _case(derived.link_moment, i, where)
+        work = _value_at(derived.link_moment, i, where)
         acting = {joint_moment[at]: inner.subs(s, at) for at in (i, i + 1)}
         if where == "start":
             acting[joint_moment[i]] = root.xreplace({of[0]: of[i]})
@@ -158,21 +166,21 @@ def _bending(
     return pairs
 
 
-def _case(value: Expr, index: Symbol, where: str) -> Expr:
-    """An expression that differs at the ends of its index, at one of the places."""
+def _value_at(value: Expr, index: Symbol, where: str) -> Expr:
+    """Value at one of the places of an expression that differs at the ends of its index."""
     ends = {0: where == "start", n: where == "tail", n - 1: where == "tail"}
     return value.subs({sympy.Eq(index, end): holds for end, holds in ends.items()})
 
 
-def _same(name: str, pairs: Pairs) -> Comparison:
+def _compare(name: str, pairs: Pairs) -> Comparison:
     for at, (derived, closed) in enumerate(pairs):
-        if expand(_flat(derived) - _flat(closed)) != 0:
+        if expand(_normal_form(derived) - _normal_form(closed)) != 0:
             raise DisagreementError(ANY_N, f"{name}, identity {at}", derived, closed)
     return Comparison(name, ANY_N, len(pairs))
 
 
-def _flat(expression: Expr) -> Expr:
-    """Angle sums expanded, sums taken apart and given one name for their index."""
+def _normal_form(expression: Expr) -> Expr:
+    """Expand angle sums, split sums into their terms, and give these one name for their index."""
 
     def rename(total: Sum) -> Expr:
         index, low, high = total.limits[0]
@@ -184,15 +192,15 @@ def _flat(expression: Expr) -> Expr:
     return expand(expand_trig(expand(renamed)))
 
 
-def _drag_law(derived: Equations, load: JointDrag) -> Comparison:
-    """The force on a joint at the start, inside and at the tail, against the law by hand."""
+def _compare_drag_law(derived: GeneralEquations, load: JointDrag) -> Comparison:
+    """Compare the force on a joint at the start, inside and at the tail with the law by hand."""
     arrays = derived.arrays
     places: dict[str, tuple[Expr, Expr, Expr]] = {
         "inside": (S.One, (phi[joint - 1] + phi[joint]) / 2, joint),
         "tail": (S.Half, phi[n - 1], n),
         "start": (S.Half, phi[0], Integer(0)),
     }
-    if not derived.hold.translates:
+    if not derived.boundary_condition.translates:
         del places["start"]
     # At rest both forms have no force; in motion the divisor is the speed.
     (speed, _), _ = arrays[divisor].value.args
@@ -205,14 +213,14 @@ def _drag_law(derived: Equations, load: JointDrag) -> Comparison:
     speed = speed.subs(moving)
     entries = 0
     for where, (share, angle, index) in places.items():
-        rod = _case(arrays[rod_angle].value, joint, where)
+        rod = _value_at(arrays[rod_angle].value, joint, where)
         if expand(rod.subs(joint, index) - angle.subs(joint, index)) != 0:
             raise DisagreementError(ANY_N, f"rod angle {where}", rod, angle)
         place = joint_x[joint], joint_y[joint], share * l
         motion = JointMotion(vx, vy, speed, rod_angle[joint], share * m, factors, *place)
-        by_hand = load.force_by_hand(motion, _same_symbol, sympy)
+        by_hand = load.force_by_hand(motion, _identity, sympy)
         bases = mass_at, length_at
-        gathered = {base[joint]: _case(arrays[base].value, joint, where) for base in bases}
+        gathered = {base[joint]: _value_at(arrays[base].value, joint, where) for base in bases}
         for base, hand in zip(load.bases, by_hand, strict=True):
             force = arrays[base].value.subs(gathered | {divisor[joint]: speed} | moving)
             off = expand(expand_trig(hand) - force)

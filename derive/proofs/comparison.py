@@ -1,4 +1,4 @@
-"""What a proof is made of: comparisons that hold, and the error where one does not."""
+"""Comparisons, of which proofs consist, and the error where one does not hold."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ class DisagreementError(ArithmeticError):
 
 @dataclass(frozen=True)
 class Comparison:
-    """What was compared: the symbol of the matrix or load, how, and how many entries."""
+    """A comparison that held: symbol of the matrix or load, how, and number of entries."""
 
     name: str
     how: str

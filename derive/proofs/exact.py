@@ -74,7 +74,7 @@ def evaluate(expression: Expr, values: dict[Any, Any]) -> Any:
         case Indexed():
             return values[expression.base][int(evaluate(expression.indices[0], values))]
         case Piecewise():
-            return evaluate(next(e for e, c in expression.args if _holds(c, values)), values)
+            return evaluate(next(e for e, c in expression.args if _is_true(c, values)), values)
         case sympy.cos() | sympy.sin():
             angle = evaluate(expression.args[0], {**values, **values.get(TURNED, {})})
             return angle.c if isinstance(expression, sympy.cos) else angle.s
@@ -92,14 +92,14 @@ def evaluate(expression: Expr, values: dict[Any, Any]) -> Any:
     raise TypeError(f"no exact value for {expression}")
 
 
-def _holds(condition: Any, values: dict[Any, Any]) -> bool:
+def _is_true(condition: Any, values: dict[Any, Any]) -> bool:
     """Whether a comparison of indices, or several of them, holds."""
     match condition:
         case Eq() | Le() | Lt():
             compare = {Eq: eq, Le: le, Lt: lt}[type(condition)]
             return bool(compare(evaluate(condition.lhs, values), evaluate(condition.rhs, values)))
         case And():
-            return all(_holds(part, values) for part in condition.args)
+            return all(_is_true(part, values) for part in condition.args)
         case Or():
-            return any(_holds(part, values) for part in condition.args)
+            return any(_is_true(part, values) for part in condition.args)
     return bool(condition == true)

@@ -7,16 +7,16 @@ from collections.abc import Iterator, Sequence
 from sphinx.application import Sphinx
 
 import rodgen
-from rodgen.analyse.branches import boundary, branch_data
-from rodgen.analyse.cycles import branch_data as cycle_branches
+from rodgen.analyse.branches import equilibrium_data, stability_boundary
+from rodgen.analyse.cycles import cycle_data as cycle_branches
 from rodgen.analyse.cycles import nonlinear_modes
 from rodgen.result import Row
 
 PAGE, MARK = "reference/results", "<!-- results -->"
 # What is in tables of its own, by the function that returns it.
 CURVES = {
-    "continue_equilibria": branch_data.ROWS,
-    "stability_boundary": boundary.ROWS,
+    "continue_equilibria": equilibrium_data.ROWS,
+    "stability_boundary": stability_boundary.ROWS,
     "continue_cycles": cycle_branches.ROWS,
     "continue_mode": nonlinear_modes.ROWS,
 }

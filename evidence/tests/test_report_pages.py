@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from rodgen.analyse.precision.rows import fine
+from rodgen.analyse.precision.rows import has_result
 from rodgen_evidence.pages.report_guide import (
     guide_renewed,
     save_guide_figures,
@@ -26,7 +26,7 @@ def test_speeds_are_those_of_the_report() -> None:
     contents, _ = read_report(REPORT)
     page = (ROOT / "docs" / "speed.md").read_text(encoding="utf-8")
     assert speed_renewed(page, contents) == page
-    duels = [row for row in of(contents, "equal_error", asked=1e-6) if fine(row)]
+    duels = [row for row in of(contents, "equal_error", asked=1e-6) if has_result(row)]
     assert duels
     runs = of(contents, "precision", method="dop853", target="c", setting=1e-5)
     counts = {run["scene"]: run["rhs"] for run in runs}

@@ -1,5 +1,5 @@
-"""What xarray's Datasets of branches, boundaries and studies have as `data.rodgen`: the pictures,
-notes and plain data that other results have."""
+"""Accessor `rodgen` of xarray's Datasets of branches, boundaries and studies: pictures, notes and
+plain data, as other results have them."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from collections.abc import Iterable, Mapping
 from functools import cache
 from typing import TYPE_CHECKING, Any
 
-from rodgen.display import dataset_appearance
+from rodgen.display import dataset_drawing
 from rodgen.result import NOTES, REMARK, Note, Result, ResultTable, Row, notes_from, plain_data
 
 if TYPE_CHECKING:
@@ -23,7 +23,7 @@ LONG_NAME, UNITS, UNKNOWN = "long_name", "units", "unknown"  # attributes of a v
 
 
 class DatasetResult(Result):
-    """What xarray's Datasets of branches, boundaries and studies have as `data.rodgen`.
+    """Accessor `data.rodgen` of the Datasets of branches, boundaries and studies.
 
     Examples
     --------
@@ -39,20 +39,20 @@ class DatasetResult(Result):
 
     @property
     def notes(self) -> tuple[Note, ...]:  # type: ignore[override]  # a field of other results
-        """What to know about its numbers."""
+        """Notes on its numbers: doubts and remarks."""
         if NOTES in self._data.attrs:
             return notes_from(self._data.attrs)
         if DOUBTS not in self._data or DIGEST not in self._data.attrs:
             return ()
         counts = self._data[DOUBTS].values
-        return doubtful_points(int((counts > 0).sum()), int((counts >= 0).sum()))
+        return doubt_remark(int((counts > 0).sum()), int((counts >= 0).sum()))
 
     def to_dict(self) -> dict[str, Any]:
-        """Its variables, attributes and notes, as plain data for JSON. A curve has a list of its
+        """Convert variables, attributes and notes to plain data for JSON. A curve has a list of its
         points and one of its special points; others have a list for every variable."""
         data = self._data
         values = {str(name): known_or_none(one) for name, one in data.variables.items()}
-        made = _records(data, values) if {POINT, SPECIAL} <= set(data.dims) else values
+        made = _curve_records(data, values) if {POINT, SPECIAL} <= set(data.dims) else values
         said = {
             str(name): bool(one) if name in FLAGS else plain_data(one)
             for name, one in data.attrs.items()
@@ -69,31 +69,31 @@ class DatasetResult(Result):
 
         InputError lists the names if there is no such picture, and refuses other Datasets.
         """
-        axes: Axes = dataset_appearance().plot(self._data, picture, figure)
+        axes: Axes = dataset_drawing().plot(self._data, picture, figure)
         return axes
 
     def __repr__(self) -> str:
-        """What the Dataset is, in a line."""
-        line: str = dataset_appearance().line(self._data)
+        """One line that says what the Dataset holds."""
+        line: str = dataset_drawing().describe(self._data)
         return line
 
     def tables(self) -> list[ResultTable]:
-        """Its numbers in words."""
-        found: list[ResultTable] = dataset_appearance().tables(self._data)
+        """Tables of its numbers, as text."""
+        found: list[ResultTable] = dataset_drawing().tables(self._data)
         return found
 
     def _repr_html_(self) -> str:
         return _dataset_html(self._data)
 
 
-def doubtful_points(count: int, of: int) -> tuple[Note, ...]:
-    """Return the remark on a study of whose points so many have doubts."""
+def doubt_remark(count: int, of: int) -> tuple[Note, ...]:
+    """Remark that `count` of the `of` points of a study have doubts; empty if none has."""
     if not count:
         return ()
     return (Note(REMARK, f"{count} of {of} points have doubts: see {DOUBTS}", {"points": count}),)
 
 
-# Attributes that are not among the plain data: how a file is read, and what stands there already.
+# Attributes left out of the plain data: they tell how to read a file, or stand there already.
 OWN = {
     *("format", "rodgen", "scene", NOTES, "variables", "vary", "sample", "options", "time_limit"),
     *("token", DIGEST, "sources", "coordinates", "keep"),
@@ -101,35 +101,35 @@ OWN = {
 FLAGS = {"complete", "moving", "damped", "supercritical"}  # which NetCDF has as numbers
 
 
-def variables(
+def dataset_variables(
     rows: Iterable[Row],
     values: Mapping[str, Any],
     dims: Mapping[str, tuple[str, ...]],
     **names: str,
 ) -> dict[str, tuple[Any, Any, dict[str, Any]]]:
-    """Return the variables of a Dataset, with what rows say of them as attributes.
+    """Variables of a Dataset, with the words and units of their rows as attributes.
 
-    values: arrays by the names of rows; dims: of a row, beside the one along which it is; names:
-    what the words of rows call by name.
+    values: arrays by the names of rows; dims: further dimensions of a row, after the one it runs
+    along; names: texts for the placeholders in the words of rows.
     """
     return {
         row.name: (
             (row.along, *dims.get(row.name, ())),
             values[row.name],
-            _attributes(row, names),
+            _row_attributes(row, names),
         )
         for row in rows
         if row.name in values
     }
 
 
-def _attributes(row: Row, names: Mapping[str, str]) -> dict[str, Any]:
+def _row_attributes(row: Row, names: Mapping[str, str]) -> dict[str, Any]:
     found = {LONG_NAME: row.words.format(**names), UNITS: row.unit, UNKNOWN: row.unknown}
     return {name: value for name, value in found.items() if value not in ("", None)}
 
 
 def known_or_none(variable: xarray.Variable) -> Any:
-    """Return the values of a variable as plain data; None for those that are not known."""
+    """Values of a variable as plain data, with None for those that are not known."""
     unknown = variable.attrs.get(UNKNOWN)
     if unknown is None:
         return plain_data(variable.values)
@@ -138,8 +138,8 @@ def known_or_none(variable: xarray.Variable) -> Any:
     return plain_data(values)
 
 
-def _records(data: xarray.Dataset, values: Mapping[str, Any]) -> dict[str, Any]:
-    """The points of a curve and its special points, each with all that is known of it."""
+def _curve_records(data: xarray.Dataset, values: Mapping[str, Any]) -> dict[str, Any]:
+    """Points and special points of a curve, each as a dictionary of its values."""
     made: dict[str, Any] = {}
     for along, key, start in ((POINT, "points", ""), (SPECIAL, SPECIAL, PREFIX)):
         names = [name for name, one in data.variables.items() if one.dims[:1] == (along,)]
@@ -150,24 +150,24 @@ def _records(data: xarray.Dataset, values: Mapping[str, Any]) -> dict[str, Any]:
 
 
 def _dataset_html(data: xarray.Dataset) -> str:
-    """A picture with a table; of a Dataset that rodgen did not make, what xarray shows."""
-    html: str = dataset_appearance().html(data)
+    """HTML of a picture with a table; of a Dataset that rodgen did not make, xarray's own."""
+    html: str = dataset_drawing().html(data)
     return html
 
 
 @cache
-def show_datasets() -> None:
-    """Have xarray's Datasets the accessor `rodgen`, and those of rodgen show themselves in
-    notebooks; what makes or reads them calls it."""
+def register_accessor() -> None:
+    """Register the accessor `rodgen` of xarray's Datasets, and their display in notebooks.
+    Functions that make or read Datasets call it."""
     import xarray  # only where it is there already: it takes long to import
 
     register: Any = xarray.register_dataset_accessor  # which has no types
     register("rodgen")(DatasetResult)
-    show_in_notebook(xarray.Dataset)
+    register_notebook_display(xarray.Dataset)
 
 
-def show_in_notebook(dataset: type) -> None:
-    """Where this is a notebook, have it show Datasets with picture and table."""
+def register_notebook_display(dataset: type) -> None:
+    """In a notebook, register the display of Datasets as a picture with a table."""
     notebook = sys.modules.get("IPython")
     shell: Any = notebook and notebook.get_ipython()
     if shell:

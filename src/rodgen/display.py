@@ -1,7 +1,7 @@
-"""What shows itself: pictures by `plot`, and in notebooks a picture with a table.
+"""Interface by which scenes and results are drawn: `plot`, and HTML in notebooks.
 
-Pictures are drawn by what joins through the entry points of GROUP, which knows everything that is
-drawn here and lies above it: rodgen.show. It is looked up when a picture is asked for, not before.
+The drawing modules join through the entry points of GROUP, since they lie above this one and know
+all that is drawn: rodgen.show. They are loaded when a picture is asked for, not before.
 """
 
 from __future__ import annotations
@@ -20,8 +20,8 @@ if TYPE_CHECKING:
 GROUP = "rodgen.pictures"
 
 
-class Video(Protocol):
-    """A film in memory: data as in a file; ending: of such a file, ".mp4" or ".gif"."""
+class VideoData(Protocol):
+    """A film in memory. data: as in a file; ending: of such a file, ".mp4" or ".gif"."""
 
     data: bytes
     ending: str
@@ -31,8 +31,8 @@ class Video(Protocol):
 
 
 @cache
-def drawer(of: str) -> ModuleType:
-    """Return the module that joins under a name. Raises ImportError where none does."""
+def load_drawing_module(of: str) -> ModuleType:
+    """Load the drawing module of a name. Raises ImportError where there is none."""
     for entry in entry_points(group=GROUP, name=of):
         module: ModuleType = entry.load()
         return module
@@ -42,22 +42,22 @@ def drawer(of: str) -> ModuleType:
     )
 
 
-def appearance() -> ModuleType:
+def result_drawing() -> ModuleType:
     """The module that draws scenes and results."""
-    return drawer("results")
+    return load_drawing_module("results")
 
 
-def dataset_appearance() -> ModuleType:
+def dataset_drawing() -> ModuleType:
     """The module that draws Datasets."""
-    return drawer("datasets")
+    return load_drawing_module("datasets")
 
 
 class Tabular:
     """A result with a table of its numbers for notebooks."""
 
     def _repr_html_(self) -> str:
-        """A table, with a picture where there is one."""
-        html: str = appearance().html(self)
+        """HTML of its table, with its picture where there is one."""
+        html: str = result_drawing().html(self)
         return html
 
 
@@ -72,5 +72,5 @@ class Plottable(Tabular):
 
         InputError lists the names if there is no such picture.
         """
-        axes: Axes = appearance().plot(self, picture, figure)
+        axes: Axes = result_drawing().plot(self, picture, figure)
         return axes

@@ -31,31 +31,33 @@ class InputError(ValueError):
     def __init__(self, field: str, value: object, allowed: str):
         self.field, self.value, self.allowed = field, value, allowed
         shown = field if len(field) <= LONGEST else field[:LONGEST] + "..."
-        super().__init__(_one_line(f"{shown} = {short(value)}: must be {allowed}"))
+        super().__init__(
+            _escape_control_characters(f"{shown} = {shorten(value)}: must be {allowed}")
+        )
 
     def __reduce__(self) -> tuple[Any, ...]:
         # What reaches another process is the error, whatever the value was.
-        return type(self), (self.field, _portable(self.value), self.allowed)
+        return type(self), (self.field, _make_picklable(self.value), self.allowed)
 
 
-class _Shown(str):
-    """A value that cannot be pickled, as it is shown in a message."""
+class _ShownText(str):
+    """Text that stands for a value that cannot be pickled."""
 
     __slots__ = ()
     __repr__ = str.__str__
 
 
-def _portable(value: object) -> object:
-    """The value, or what is shown of it where it cannot be pickled."""
+def _make_picklable(value: object) -> object:
+    """Return the value, or its text in messages where it cannot be pickled."""
     try:
         pickle.dumps(value)
     except Exception:  # a value of any class, whose pickling may raise anything
-        return _Shown(short(value))
+        return _ShownText(shorten(value))
     return value
 
 
 def check_type(name: str, value: object, *kinds: type, see: str = "") -> None:
-    """Raise TypeError unless the argument of this name is of one of these classes; see: what makes
+    """Raise TypeError unless the argument `name` is of one of these classes; see: what makes
     one."""
     if not isinstance(value, kinds):
         wanted = " or a ".join(kind.__name__ for kind in kinds)
@@ -63,8 +65,8 @@ def check_type(name: str, value: object, *kinds: type, see: str = "") -> None:
         raise TypeError(f"{name} must be a {wanted}{hint}, not {type(value).__name__}")
 
 
-def short(value: object, longest: int = 80) -> str:
-    """A value as it is shown in a message."""
+def shorten(value: object, longest: int = 80) -> str:
+    """Text of a value for a message, cut to `longest` characters."""
     try:
         text = repr(value)
     except ValueError:  # Python does not write whole numbers of thousands of digits
@@ -72,9 +74,9 @@ def short(value: object, longest: int = 80) -> str:
     return text if len(text) <= longest else text[: longest - 3] + "..."
 
 
-def unknown_key(key: object, known: Iterable[str], hint: str = "") -> str:
-    """What is said of a key that a table does not have; hint: where it may belong, else the known
-    key that is next to it."""
+def unknown_key_message(key: object, known: Iterable[str], hint: str = "") -> str:
+    """Message on a key that a table does not have; hint: where it may belong, by default the known
+    key most like it."""
     known = list(known)
     if key in VERSIONS:
         hint = "; is the file of a newer rodgen? Files of this one name no version"
@@ -82,18 +84,18 @@ def unknown_key(key: object, known: Iterable[str], hint: str = "") -> str:
 
 
 def did_you_mean(word: object, known: Iterable[str]) -> str:
-    """What may have been meant by a word that is not known, to end a message with; else nothing."""
+    """End of a message that suggests the known word most like this one; empty if none is."""
     found = get_close_matches(str(word), list(known), 1)
     return f"; did you mean {found[0]}?" if found else ""
 
 
-def _one_line(text: str) -> str:
-    """Control characters, which a key of a file may hold, as escapes."""
+def _escape_control_characters(text: str) -> str:
+    """Escape control characters, which a key of a file may hold."""
     return "".join(c if c.isprintable() else ascii(c)[1:-1] for c in text)
 
 
 class Missing:
-    """What stands for a value that is not there."""
+    """Placeholder for a missing value in messages."""
 
     def __repr__(self) -> str:
         return "(missing)"

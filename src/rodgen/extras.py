@@ -1,6 +1,6 @@
-"""How what is not installed is had."""
+"""Installation of optional dependencies."""
 
 
-def how_to_have(extra: str) -> str:
+def install_command(extra: str) -> str:
     """The command that installs an extra, such as "view", as messages name it."""
     return f'pip install ".[{extra}]" in a clone of rodgen'

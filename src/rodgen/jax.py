@@ -17,8 +17,8 @@ from typing import Any
 import numpy as np
 
 from rodgen.errors import InputError, check_type
-from rodgen.extras import how_to_have
-from rodgen.loading.module import structure_of
+from rodgen.extras import install_command
+from rodgen.loading.generated_module import structure_of
 from rodgen.native.library import load_library
 from rodgen.scene import Scene
 from rodgen.system import System
@@ -28,7 +28,7 @@ try:
     import jax.numpy as jnp
     from jax.custom_derivatives import SymbolicZero
 except ImportError as error:
-    missing = f"rodgen.jax needs more: {how_to_have('jax')} ({error})"
+    missing = f"rodgen.jax needs more: {install_command('jax')} ({error})"
     raise ImportError(missing, name=error.name) from error
 
 CALLS = "jax_calls"
@@ -78,20 +78,20 @@ def rhs(system: System | Scene | ModuleType) -> Field:
     """
     check_type("system", system, System, Scene, ModuleType, see="Scene.from_toml")
     model = system if isinstance(system, ModuleType) else System.of(system).model("c")
-    key, states, width = _known(model)
+    key, states, width = _register(model)
 
-    def call(name: str, *shape: int) -> Field:
+    def ffi_function(name: str, *shape: int) -> Field:
         result = jax.ShapeDtypeStruct((states, *shape), np.float64)
         called = jax.ffi.ffi_call(name, result, vmap_method="expand_dims")
         return lambda t, y, p: called(t, y, p, model=np.int64(key))
 
     rates, jacobian, others = (
-        call(name, *shape)
+        ffi_function(name, *shape)
         for name, shape in zip(TARGETS, ((), (states,), (1 + width,)), strict=True)
     )
     field = jax.custom_jvp(rates)
 
-    def tangent(primals: Any, tangents: Any) -> tuple[jax.Array, jax.Array]:
+    def jvp(primals: Any, tangents: Any) -> tuple[jax.Array, jax.Array]:
         by_t, by_y, by_p = tangents
         moved = jnp.zeros(states)
         if not isinstance(by_y, SymbolicZero):
@@ -104,13 +104,13 @@ def rhs(system: System | Scene | ModuleType) -> Field:
                 moved += matrix[:, 1:] @ by_p
         return field(*primals), moved
 
-    field.defjvp(tangent, symbolic_zeros=True)
+    field.defjvp(jvp, symbolic_zeros=True)
 
     def f(t: Any, y: Any, p: Any) -> jax.Array:
         if not jax.config.jax_enable_x64:
             allowed = 'doubles: jax.config.update("jax_enable_x64", True) at the start'
             raise InputError("y", "numbers of 32 bits", allowed)
-        given = [_doubles(name, one) for name, one in zip("typ", (t, y, p), strict=True)]
+        given = [_to_doubles(name, one) for name, one in zip("typ", (t, y, p), strict=True)]
         for name, one, shape in zip("typ", given, ((), (states,), (width,)), strict=True):
             if one.shape != shape:
                 raise InputError(name, one.shape, f"of shape {shape} (jax.vmap maps over others)")
@@ -120,7 +120,7 @@ def rhs(system: System | Scene | ModuleType) -> Field:
     return f
 
 
-def _doubles(name: str, given: Any) -> jax.Array:
+def _to_doubles(name: str, given: Any) -> jax.Array:
     try:
         made = jnp.asarray(given)
         if not jnp.iscomplexobj(made):
@@ -134,9 +134,9 @@ def _doubles(name: str, given: Any) -> jax.Array:
 _models: dict[int, ModuleType] = {}
 
 
-def _known(model: ModuleType) -> tuple[int, int, int]:
-    """The key of a module, by which the calls of XLA know it from now on, and how many states and
-    parameters it has. Raises InputError."""
+def _register(model: ModuleType) -> tuple[int, int, int]:
+    """Register a module for calls by XLA; returns its key and its numbers of states and parameters.
+    Raises InputError."""
     if not hasattr(getattr(model, "rhs", None), "compiled"):
         raise InputError("model", model.__name__, 'a module that is built for target "c"')
     structure = structure_of(model)
@@ -147,15 +147,15 @@ def _known(model: ModuleType) -> tuple[int, int, int]:
         functions = (model.rhs, model.jac, model.rhs_batch)
         addresses = (function.compiled.address for function in functions)
         timed = bool(structure.expressions or structure.states or structure.masses)
-        if not _calls().rodgen_jax_add(key, states, width, timed, *addresses):
+        if not _compile_calls().rodgen_jax_add(key, states, width, timed, *addresses):
             raise InputError("model", model.__name__, "one of at most 4096 in a process")
         _models[key] = model
     return key, states, width
 
 
 @lru_cache(maxsize=1)
-def _calls() -> Any:
-    """The library of the calls, compiled with the header of the XLA that is installed."""
+def _compile_calls() -> Any:
+    """Compile the library of XLA calls with the header of the installed XLA, and register them."""
     header = Path(jax.ffi.include_dir(), "xla", "ffi", "api", "c_api.h")
     with tempfile.TemporaryDirectory(prefix="rodgen-") as folder:
         place = Path(folder)

@@ -1,7 +1,7 @@
-"""The memory that a computation may take, to which each is held before it begins.
+"""Memory limit of computations, checked before they begin.
 
-Each says how much it needs, as a function of the number of links; what is too much is refused in a
-line instead of minutes later, by the system.
+Each states its need as a function of the number of links. One that needs too much is refused at
+once, instead of being killed by the system minutes later.
 """
 
 from __future__ import annotations
@@ -23,24 +23,24 @@ GROUPS, OWN_GROUPS = Path("/sys/fs/cgroup"), Path("/proc/self/cgroup")  # of con
 Need = Callable[[int], float]
 
 
-def limit() -> float:
-    """Bytes that a computation may take: half of what the machine, the container or the job has, or
-    the gigabytes of RODGEN_MEMORY. Raises InputError where that is no number."""
+def memory_limit() -> float:
+    """Memory that a computation may take [bytes]: half of what the machine, the container or the
+    job has, or the gigabytes of RODGEN_MEMORY. Raises InputError where that is no number."""
     given = os.environ.get(SET)
     if given:
         with suppress(ValueError):
             if 0 < float(given) < math.inf:
                 return 1e9 * float(given)
         raise InputError(SET, given, "a number of gigabytes")
-    return SHARE * min(_found(), default=UNKNOWN)
+    return SHARE * min(_system_limits(), default=UNKNOWN)
 
 
-def _found() -> list[float]:
-    """What each who limits it allows [bytes]."""
+def _system_limits() -> list[float]:
+    """Memory limits of the machine, the control groups and the process [bytes]."""
     found = []
     with suppress(AttributeError, ValueError, OSError):  # of other systems
         found.append(float(os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES")))
-    for file in _group_files():
+    for file in _cgroup_files():
         with suppress(OSError, ValueError):  # "max" is none
             found.append(float(file.read_text()))
     if sys.platform != "win32":
@@ -51,9 +51,9 @@ def _found() -> list[float]:
     return found
 
 
-def _group_files() -> list[Path]:
-    """Files that may have a limit of the control groups that this process is in (version 1 and 2),
-    and of those around them."""
+def _cgroup_files() -> list[Path]:
+    """Files with memory limits of the control groups of this process (version 1 and 2), and of
+    those around them."""
     found = [GROUPS / "memory.max"]
     with suppress(OSError, ValueError):
         for line in OWN_GROUPS.read_text().splitlines():
@@ -70,27 +70,29 @@ def _group_files() -> list[Path]:
 
 
 def check_memory(what: str, links: int, need: Need, field: str = "rod.links") -> None:
-    """Raise InputError, with how many links there may be, for a computation whose need [bytes] with
-    so many is more than may be taken.
+    """Raise InputError for a computation that needs more memory [bytes] than it may take; the
+    message says how many links fit.
 
-    what: the computation, in words; need: of a number of links, the more the more; field: that the
-    message names.
+    what: the computation, in words; need: a function of the number of links, increasing; field:
+    what the message names.
     """
-    if is_small(need(links)) or need(links) <= (have := limit()):
+    if is_small(need(links)) or need(links) <= (have := memory_limit()):
         return
     most, beyond = 0, links
     while beyond - most > 1:
         middle = (most + beyond) // 2
         most, beyond = (middle, beyond) if need(middle) <= have else (most, middle)
-    allowed = f"at most {most}: for {what} some {gigabytes(need(links))} of memory are needed with"
-    raise InputError(field, links, f"{allowed} {links}, of {gigabytes(have)} here ({SET})")
+    allowed = (
+        f"at most {most}: for {what} some {format_gigabytes(need(links))} of memory are needed with"
+    )
+    raise InputError(field, links, f"{allowed} {links}, of {format_gigabytes(have)} here ({SET})")
 
 
 def is_small(count: float) -> bool:
-    """Whether so many bytes are there anyway, unless RODGEN_MEMORY says otherwise."""
+    """Whether this many bytes need no check: at most SMALL, and RODGEN_MEMORY is not set."""
     return count <= SMALL and SET not in os.environ
 
 
-def gigabytes(count: float) -> str:
-    """So many bytes, in words."""
+def format_gigabytes(count: float) -> str:
+    """Text of a number of bytes, in GB."""
     return f"{count / 1e9:.3g} GB" if count < 1e11 else f"{count / 1e9:.0f} GB"

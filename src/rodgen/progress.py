@@ -1,4 +1,4 @@
-"""What is told of work that takes long: its stages, to a callback or in a bar."""
+"""Progress of long work: its stages, reported to a callback or shown in a bar."""
 
 from __future__ import annotations
 
@@ -24,16 +24,16 @@ Tell = Callable[[str], None]  # is told by name what is begun
 _told: ContextVar[Tell | None] = ContextVar("told", default=None)
 
 
-def tell(stage: str) -> None:
-    """Name what is begun to whoever is told of it."""
+def report_stage(stage: str) -> None:
+    """Report the stage that begins to the current callback, if there is one."""
     told = _told.get()
     if told is not None:
         told(stage)
 
 
 @contextmanager
-def telling(told: Tell) -> Iterator[None]:
-    """All that is told inside is told to this callback, and no bars are shown."""
+def report_stages_to(told: Tell) -> Iterator[None]:
+    """Report all stages inside to this callback, and show no bars."""
     token = _told.set(told)
     try:
         yield
@@ -42,12 +42,12 @@ def telling(told: Tell) -> Iterator[None]:
 
 
 @contextmanager
-def working(what: str, steps: int | None = None) -> Iterator[Tell]:
-    """A callback that names what was done last, of so many steps if their number is known; in a
-    bar, or within the bar of other work."""
+def show_work(what: str, steps: int | None = None) -> Iterator[Tell]:
+    """Show a bar of work; yields a callback that names the step just done. steps: how many there
+    are, if known. Within the bar of other work it reports the stage there."""
     done = 0
-    if not _shows():
-        yield tell
+    if not _can_show_bar():
+        yield report_stage
         return
 
     def step(last: str) -> None:
@@ -55,43 +55,46 @@ def working(what: str, steps: int | None = None) -> Iterator[Tell]:
         done += 1
         bar.show(done, last)
 
-    with _Bar(what, steps) as bar, telling(lambda stage: bar.show(done, stage)):
+    with _Bar(what, steps) as bar, report_stages_to(lambda stage: bar.show(done, stage)):
         yield step
 
 
 @contextmanager
-def running(what: str, start: float, end: float) -> Iterator[Callable[[float], None]]:
-    """A callback that shows how far a run from start to end has come, how fast it goes against
-    real time, and what time is left; within the bar of other work, it names the time alone."""
+def show_run(what: str, start: float, end: float) -> Iterator[Callable[[float], None]]:
+    """Show a bar of a run from start to end; yields a callback that takes the time reached. The bar
+    shows the speed against real time and the time left; within other work, the time alone."""
     first: tuple[float, float] | None = None  # a run that is resumed does not begin at the start
 
-    def speed(at: float) -> str:
+    def speed_text(at: float) -> str:
         nonlocal first
         now = perf_counter()
         first = first or (at, now)
         return f", {(at - first[0]) / (now - first[1]):.3g} s/s" if at > first[0] else ""
 
     def step(at: float) -> None:
-        bar.show(at - start, f"t = {at:.3f} s of {end:g} s{speed(at)}")
+        bar.show(at - start, f"t = {at:.3f} s of {end:g} s{speed_text(at)}")
 
-    if not _shows():
-        yield lambda at: tell(f"t = {at:.3f} s of {end:g} s")
+    if not _can_show_bar():
+        yield lambda at: report_stage(f"t = {at:.3f} s of {end:g} s")
         return
-    with _Bar(what, end - start, remaining=True) as bar, telling(lambda stage: bar.show(0, stage)):
+    with (
+        _Bar(what, end - start, remaining=True) as bar,
+        report_stages_to(lambda stage: bar.show(0, stage)),
+    ):
         yield step
 
 
 @contextmanager
-def counting(
+def show_count(
     what: str, total: int, before: int = 0, said: Tell | None = None
 ) -> Iterator[Callable[[int, int], None]]:
-    """A callback that is given how many points were computed, and how many of them failed; it shows
-    how many there are of the total, so many of which were there before, how fast they come, and
-    what time is left: in a bar, or where there is none in lines, now and then, to ``said``."""
+    """Show how many points are computed; yields a callback that takes the numbers of new points and
+    of failed ones among them. Count, rate and time left go to a bar, or without one, now and then,
+    as lines to ``said``. total: of all points; before: how many there were at first."""
     begun, done, failed, next_one = perf_counter(), 0, 0, FIRST
 
-    def told(count: int, bad: int) -> tuple[str, float]:
-        """What is said after so many more, and how many come in a second."""
+    def add(count: int, bad: int) -> tuple[str, float]:
+        """Add to the counts; returns the line that reports them, and the points per second."""
         nonlocal done, failed
         done, failed = done + count, failed + bad
         rate = done / max(perf_counter() - begun, 1e-9)
@@ -99,30 +102,33 @@ def counting(
         return f"{before + done} of {total} points, {rate:.3g} 1/s{lost}", rate
 
     def step(count: int, bad: int) -> None:
-        bar.show(before + done + count, told(count, bad)[0])
+        bar.show(before + done + count, add(count, bad)[0])
 
-    def line(count: int, bad: int) -> None:
+    def print_line(count: int, bad: int) -> None:
         nonlocal next_one
-        (text, rate), passed = told(count, bad), perf_counter() - begun
+        (text, rate), passed = add(count, bad), perf_counter() - begun
         if said is not None and rate and passed >= next_one:
             next_one = passed + min(passed, OFTEN)
-            said(f"{what}: {text}, {duration((total - before - done) / rate)} left")
+            said(f"{what}: {text}, {format_duration((total - before - done) / rate)} left")
 
-    if not _shows():
-        yield (lambda *_: None) if said is None or _told.get() is not None else line
+    if not _can_show_bar():
+        yield (lambda *_: None) if said is None or _told.get() is not None else print_line
         return
-    with _Bar(what, total, remaining=True) as bar, telling(lambda stage: bar.show(before, stage)):
+    with (
+        _Bar(what, total, remaining=True) as bar,
+        report_stages_to(lambda stage: bar.show(before, stage)),
+    ):
         yield step
 
 
 def announce(what: str, said: Tell) -> None:
-    """Say what will be done where no bar shows it."""
-    if not _shows() and _told.get() is None:
+    """Say what will be done, if neither a bar nor a callback will."""
+    if not _can_show_bar() and _told.get() is None:
         said(what)
 
 
-def duration(seconds: float) -> str:
-    """Seconds, in the unit that suits them."""
+def format_duration(seconds: float) -> str:
+    """Text of a duration [s] in a suitable unit, from ns to days."""
     if not isfinite(seconds):
         return "-"
     for size, unit in ((86400.0, "days"), (3600.0, "h"), (60.0, "min")):
@@ -134,27 +140,27 @@ def duration(seconds: float) -> str:
     raise AssertionError
 
 
-def _shows() -> bool:
-    """Whether somebody sees a bar: in a terminal or a notebook, not behind a pool or a server, nor
-    where somebody is told already."""
+def _can_show_bar() -> bool:
+    """Whether a bar would be seen: in a terminal or a notebook, on the main thread of the first
+    process, and where no callback takes its place."""
     terminal = sys.stderr is not None and sys.stderr.isatty()
     alone = multiprocessing.parent_process() is None and current_thread() is main_thread()
-    return (terminal or _in_notebook()) and alone and _told.get() is None
+    return (terminal or _is_notebook()) and alone and _told.get() is None
 
 
-def _in_notebook() -> bool:
-    """Whether what is printed goes below the cell of a notebook."""
+def _is_notebook() -> bool:
+    """Whether the process is the kernel of a notebook."""
     return "ipykernel" in sys.modules
 
 
 class _Bar:
-    """A bar that appears after a second; it then moves on a thread of its own."""
+    """Progress bar that appears after a second, and then moves on a thread of its own."""
 
     def __init__(self, what: str, total: float | None, remaining: bool = False):
         self._what, self._total = what, total
         self._far: dict[str, Any] = {"completed": 0.0, "at": ""}
         self._remaining = remaining
-        self._drawn: _Drawn | None = None
+        self._drawn: _VisibleBar | None = None
         self._timer = Timer(PATIENCE, self._appear)
         self._timer.daemon = True
 
@@ -168,20 +174,20 @@ class _Bar:
         _bars.remove(self)
 
     def stop(self) -> None:
-        """Take it away."""
+        """Remove the bar."""
         self._timer.cancel()
         self._timer.join()
         if self._drawn is not None:
             self._drawn.stop()
 
     def show(self, completed: float, at: str) -> None:
-        """How far it is, and what is said of it."""
+        """Set how much is completed, and the text beside the bar."""
         self._far = {"completed": completed, "at": at}
         if self._drawn is not None:
             self._drawn.update(**self._far)
 
     def _appear(self) -> None:
-        kind = InNotebook if _in_notebook() else InTerminal
+        kind = NotebookBar if _is_notebook() else TerminalBar
         self._drawn = kind(self._what, self._total, self._remaining)
         self._drawn.update(**self._far)  # what was shown meanwhile
 
@@ -190,22 +196,22 @@ _bars: list[_Bar] = []
 
 
 def remove_bars() -> None:
-    """Take away what is seen, before the program ends at once."""
+    """Remove all visible bars, before the program ends at once."""
     for bar in _bars:
         bar.stop()
 
 
-class _Drawn(Protocol):
-    """A bar that can be seen."""
+class _VisibleBar(Protocol):
+    """Interface of visible bars."""
 
     def update(self, completed: float, at: str) -> None:
-        """How far it is, and what is said of it."""
+        """Set how much is completed, and the text beside the bar."""
 
     def stop(self) -> None:
-        """Take it away."""
+        """Remove the bar."""
 
 
-class InTerminal:
+class TerminalBar:
     """A bar in a line of standard error."""
 
     def __init__(self, what: str, total: float | None, remaining: bool):
@@ -224,16 +230,16 @@ class InTerminal:
         self._bar.start()
 
     def update(self, completed: float, at: str) -> None:
-        """How far it is, and what is said of it."""
+        """Set how much is completed, and the text beside the bar."""
         self._bar.update(self._task, completed=completed, at=at)
 
     def stop(self) -> None:
-        """Take it away."""
+        """Remove the bar."""
         self._bar.stop()
 
 
-class InNotebook:
-    """A bar of the browser's own below a cell, and a line of text where there is no browser."""
+class NotebookBar:
+    """HTML progress bar below a cell, and a line of text where there is no browser."""
 
     def __init__(self, what: str, total: float | None, remaining: bool):
         from IPython.display import display
@@ -241,29 +247,29 @@ class InNotebook:
         self._what, self._total, self._remaining = what, total, remaining
         self._begun = self._told = perf_counter()
         self._first: float | None = None
-        self._place: Any = display(self._seen(0.0, ""), raw=True, display_id=True)
+        self._place: Any = display(self._display_data(0.0, ""), raw=True, display_id=True)
 
     def update(self, completed: float, at: str) -> None:
-        """How far it is, and what is said of it; told ten times a second at most."""
+        """Set how much is completed, and the text; sent ten times a second at most."""
         now = perf_counter()
         if self._first is None:  # a run that is resumed does not begin at the start
             self._first = completed
         if now - self._told >= TOLD:
             self._told = now
-            self._place.update(self._seen(completed, at), raw=True)
+            self._place.update(self._display_data(completed, at), raw=True)
 
     def stop(self) -> None:
-        """Take it away."""
+        """Remove the bar."""
         self._place.update({"text/plain": "", "text/html": ""}, raw=True)
 
-    def _seen(self, completed: float, at: str) -> dict[str, str]:
-        words = ", ".join(filter(None, (self._what, at, self._left(completed))))
+    def _display_data(self, completed: float, at: str) -> dict[str, str]:
+        words = ", ".join(filter(None, (self._what, at, self._time_left(completed))))
         value = "" if self._total is None else f' max="{self._total}" value="{completed}"'
         html = f"<progress{value}></progress> {escape(words)}"
         return {"text/plain": words, "text/html": html}
 
-    def _left(self, completed: float) -> str:
-        """What time is left, where that can be told."""
+    def _time_left(self, completed: float) -> str:
+        """Text of the time left; empty where it is not known."""
         done = completed - (self._first or 0.0)
         if not (self._remaining and self._total and done > 0):
             return ""

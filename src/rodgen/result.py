@@ -1,4 +1,4 @@
-"""Results: rows of numbers that have names, units and words, and notes on how far to trust them."""
+"""Results: rows of numbers with names, units and labels, and notes on how far to trust them."""
 
 from __future__ import annotations
 
@@ -51,25 +51,25 @@ class Note:
         return hash((self.kind, self.text))
 
     def to_dict(self) -> dict[str, Any]:
-        """As plain data for JSON."""
+        """Convert to plain data for JSON."""
         return {"kind": self.kind, "text": self.text, "figures": plain_data(self.figures)}
 
 
 def doubt(text: str, **figures: float) -> Note:
-    """Return a note on why numbers are doubtful."""
+    """Make a doubt: a note on why numbers are not to be trusted."""
     return Note(DOUBT, text, figures)
 
 
 def remarks(texts: Iterable[str]) -> tuple[Note, ...]:
-    """Return notes that make nothing doubtful."""
+    """Make remarks: notes that make nothing doubtful."""
     return tuple(Note(REMARK, text) for text in texts)
 
 
 @dataclass(frozen=True)
-class Kept:
-    """How a study keeps a row: always, unless it is told what to keep (usual), as an array of this
-    type as NumPy writes it, with a value (fill) where nothing was found; several: how many of
-    several numbers."""
+class StudyStorage:
+    """How a study stores a row. usual: also where the study does not name it; dtype: of its array,
+    as NumPy writes it; fill: value where nothing was found; several: how many numbers a point has,
+    if several."""
 
     usual: bool = False
     dtype: str = "f8"
@@ -77,8 +77,8 @@ class Kept:
     several: int = 0
 
 
-USUAL, ASKED = Kept(usual=True), Kept()
-FLAG, WORD = Kept(True, "i8", UNKNOWN), Kept(True, "U12", "")
+USUAL, ASKED = StudyStorage(usual=True), StudyStorage()
+FLAG, WORD = StudyStorage(True, "i8", UNKNOWN), StudyStorage(True, "U12", "")
 
 
 @dataclass(frozen=True)
@@ -86,11 +86,11 @@ class Row:
     """One quantity of a result.
 
     name: its attribute, and its key in `to_dict`; words: what it is; unit: empty if dimensionless,
-    "{unit}" for that of the result; format: of a number in a table; of: its value, by default the
-    attribute; text: the value in words where a number with its unit is not enough, or several
-    lines by their names, None where the table leaves it out; along: what an array has a value for
-    each of, such as "mode", whose table it is a column of; kept: how a study keeps it, None if it
-    cannot; unknown: number that stands for what is not known in an array of whole ones.
+    "{unit}" for that of the result; format: of a number in a table; of: function that reads it from
+    a result, by default the attribute; text: function for its text where a number with its unit is
+    not enough, or for several lines by name, None to leave it out of tables; along: of an array,
+    what it has a value for each of, such as "mode", in whose table it is a column; kept: how a
+    study stores it, None if it cannot; unknown: whole number that stands for an unknown value.
     """
 
     name: str
@@ -100,7 +100,7 @@ class Row:
     of: Callable[[Any], Any] | None = None
     text: Callable[[Any], str | Mapping[str, str] | None] | None = None
     along: str = ""
-    kept: Kept | None = None
+    kept: StudyStorage | None = None
     unknown: int | None = None
 
     def value(self, result: Any) -> Any:
@@ -112,18 +112,18 @@ class Row:
         return self.unit.format(unit=getattr(result, "unit", ""))
 
 
-def hidden(_: object) -> None:
+def omit_from_tables(_: object) -> None:
     """Leave a row out of tables."""
 
 
-def in_degrees(angle: float) -> str:
-    """Return an angle [rad] as text, in degrees as well."""
+def format_angle(angle: float) -> str:
+    """Text of an angle [rad], in radians and degrees."""
     return f"{angle:.12g} rad = {math.degrees(angle):.6g} degrees"
 
 
 @dataclass(frozen=True)
 class ResultTable:
-    """Rows of text under the names of their columns; with two that have none, names and values."""
+    """Rows of text under the names of their columns; two unnamed columns hold names and values."""
 
     columns: tuple[str, ...]
     rows: tuple[tuple[str, ...], ...]
@@ -148,9 +148,9 @@ class ResultTable:
 
 
 class Result(Tabular):
-    """What an analysis or a run returns: numbers with names, units and words, and notes on them.
+    """Base class of results: numbers with names, units and labels, and notes on them.
 
-    ROWS: what it has, in order; notes: what to know about its numbers.
+    ROWS: its quantities, in order; notes: what to know about its numbers.
 
     Examples
     --------
@@ -167,7 +167,7 @@ class Result(Tabular):
     notes: tuple[Note, ...] = ()
 
     def __dir__(self) -> list[str]:
-        """What an editor offers."""
+        """Names that editors complete."""
         return [name for name in super().__dir__() if name != "ROWS"]
 
     @property
@@ -176,13 +176,13 @@ class Result(Tabular):
         return tuple(note for note in self.notes if note.kind == DOUBT)
 
     def to_dict(self) -> dict[str, Any]:
-        """Its rows by name and its notes, as plain data for JSON: numbers that are not finite are
+        """Convert rows, by name, and notes to plain data for JSON: numbers that are not finite are
         None, complex ones [real, imaginary]."""
         made = {row.name: plain_data(row.value(self)) for row in self.ROWS}
         return made | {NOTES: [note.to_dict() for note in self.notes]}
 
     def with_notes(self, notes: tuple[Note, ...]) -> Self:
-        """The same with further notes.
+        """Copy with further notes.
 
         notes: that come after its own.
         """
@@ -191,7 +191,7 @@ class Result(Tabular):
         return made
 
     def tables(self) -> list[ResultTable]:
-        """Its rows in words: a table of what has one value, and one each of what has several."""
+        """Its rows as text: a table of single values, and one for each array of them."""
         return tables(self.ROWS, self)
 
     def __str__(self) -> str:
@@ -200,7 +200,7 @@ class Result(Tabular):
 
 
 def plain_data(value: Any) -> Any:
-    """Return a value as JSON has it: None for a number that is not finite."""
+    """Convert a value to what JSON can hold; a number that is not finite becomes None."""
     match value:
         case None | bool() | str():
             return value
@@ -219,30 +219,30 @@ def plain_data(value: Any) -> Any:
 
 
 def tables(rows: Iterable[Row], result: Any) -> list[ResultTable]:
-    """Return the tables of a result: of what has one value, and of what has one for each mode or
-    the like."""
+    """Tables of the rows of a result: one of single values, and one for each kind of arrays, such
+    as those over modes."""
     values, columns = dict[str, str](), dict[str, list[Row]]()
     for row in rows:
         if row.along:
             columns.setdefault(row.along, []).append(row)
         else:
-            values |= _lines(row, result)
+            values |= _row_lines(row, result)
     made = [ResultTable.of_values(values)] if values else []
-    return made + [_columns(along, some, result) for along, some in columns.items()]
+    return made + [_column_table(along, some, result) for along, some in columns.items()]
 
 
-def side_by_side(results: Sequence[Result], names: Iterable[str]) -> ResultTable:
-    """Return a table of several results of a kind, a line each, with the rows of some names."""
+def comparison_table(results: Sequence[Result], names: Iterable[str]) -> ResultTable:
+    """Table that compares results of one class: a line each, with the rows of these names."""
     rows = [row for row in results[0].ROWS if row.name in names]
     lines = [
-        (str(number), *(" ".join(text for _, text in _lines(row, one)) for row in rows))
+        (str(number), *(" ".join(text for _, text in _row_lines(row, one)) for row in rows))
         for number, one in enumerate(results, 1)
     ]
     return ResultTable.of_rows(("", *(row.words for row in rows)), lines)
 
 
-def _lines(row: Row, result: Any) -> Iterator[tuple[str, str]]:
-    """The lines of a row: of several values by name, one each."""
+def _row_lines(row: Row, result: Any) -> Iterator[tuple[str, str]]:
+    """Yield the name and text of a row, or of each of its values where they have names."""
     if row.text is not None:
         text = row.text(result)
         lines = text if isinstance(text, Mapping) else {} if text is None else {row.words: text}
@@ -251,13 +251,13 @@ def _lines(row: Row, result: Any) -> Iterator[tuple[str, str]]:
     value, unit = row.value(result), row.unit_in(result)
     if isinstance(value, Mapping):
         for name, one in value.items():
-            yield row.words.format(name), text_of(one, row.format, unit)
+            yield row.words.format(name), format_value(one, row.format, unit)
     else:
-        yield row.words, text_of(value, row.format, unit)
+        yield row.words, format_value(value, row.format, unit)
 
 
-def text_of(value: Any, form: str, unit: str = "") -> str:
-    """Return a value in words, with its unit."""
+def format_value(value: Any, form: str, unit: str = "") -> str:
+    """Text of a value with its unit."""
     if isinstance(value, np.generic | np.ndarray):
         value = value.tolist()
     match value:
@@ -274,32 +274,35 @@ def text_of(value: Any, form: str, unit: str = "") -> str:
         case numbers.Complex():
             text = f"{value.real:{form}} {value.imag:+{form}} i"
         case _:
-            text = f"({', '.join(text_of(one, form) for one in value)})"
+            text = f"({', '.join(format_value(one, form) for one in value)})"
     return f"{text} {unit}" if unit else text
 
 
-def _columns(along: str, rows: list[Row], result: Any) -> ResultTable:
-    """A table with a line for each of several, and a column for each row that is not left out."""
+def _column_table(along: str, rows: list[Row], result: Any) -> ResultTable:
+    """Table with a line for each index of arrays, and a column for each row shown."""
     shown = [row for row in rows if row.text is None or row.text(result) is not None]
     numbers = "" if along in (row.words for row in shown) else along
-    titles, cells = [numbers], [_numbers(row.value(result)) for row in shown]
+    titles, cells = [numbers], [_to_list(row.value(result)) for row in shown]
     for row in shown:
         unit = row.unit_in(result)
         titles.append(f"{row.words} [{unit}]" if unit else row.words)
     lines = [
-        (str(at + 1), *(text_of(cell, row.format) for cell, row in zip(line, shown, strict=True)))
+        (
+            str(at + 1),
+            *(format_value(cell, row.format) for cell, row in zip(line, shown, strict=True)),
+        )
         for at, line in enumerate(zip(*cells, strict=True))
     ]
     return ResultTable.of_rows(titles, lines)
 
 
-def _numbers(values: Any) -> list[Any]:
+def _to_list(values: Any) -> list[Any]:
     return list(values.tolist() if isinstance(values, np.ndarray) else values)
 
 
 # Warnings ---------------------------------------------------------------------------------------
 
-# The doubts of runs within an analysis; None outside, where they are warned of at once.
+# Doubts of the runs within an analysis; None outside, where runs warn of them at once.
 _told: ContextVar[list[Note] | None] = ContextVar("told", default=None)
 NUMBER = re.compile(r"\d+")  # that does not make one doubt another
 BETWEEN = ("functools", "contextlib")  # modules through which the package calls itself
@@ -308,30 +311,30 @@ R = TypeVar("R")
 
 
 def warns_of_doubts(function: Callable[P, R]) -> Callable[P, R]:
-    """Make a function warn of the doubts of what it returns, each once, with those of the runs that
-    it has made among them; where it is called by another one that does, it leaves that to it."""
+    """Decorate an analysis to warn of each doubt about its result and about the runs within, once.
+    Called within another such function, it leaves the warnings to that one."""
 
     @wraps(function)
-    def run(*args: P.args, **kwargs: P.kwargs) -> R:
+    def analyse(*args: P.args, **kwargs: P.kwargs) -> R:
         if _told.get() is not None:
             return function(*args, **kwargs)
         told = list[Note]()
         try:
-            with silent() as told:
+            with collect_doubts() as told:
                 found = function(*args, **kwargs)
         except Exception:
             warn_of(told)
             raise
-        whole: R = _with_doubts(found, told)
+        whole: R = _add_doubts(found, told)
         warn_of(_doubts_of(whole))
         return whole
 
-    return run
+    return analyse
 
 
 @contextmanager
-def silent() -> Iterator[list[Note]]:
-    """Warn of no doubts inside; gives a list of those that runs have told."""
+def collect_doubts() -> Iterator[list[Note]]:
+    """Collect the doubts of runs inside in a list, which is yielded, instead of warning of them."""
     told = list[Note]()
     token = _told.set(told)
     try:
@@ -341,18 +344,18 @@ def silent() -> Iterator[list[Note]]:
 
 
 def warn_of(notes: Iterable[Note]) -> None:
-    """Warn of the doubts among notes, each once; within an analysis, tell them to it."""
+    """Warn of each doubt among notes once; within an analysis, hand them to it."""
     doubts = {note.text: note for note in notes if note.kind == DOUBT}.values()
     told = _told.get()
     if told is not None:
         told.extend(doubts)
         return
     for note in doubts:
-        warnings.warn(DoubtWarning(note.text, note.figures), stacklevel=_outside())
+        warnings.warn(DoubtWarning(note.text, note.figures), stacklevel=_caller_level())
 
 
-def _outside() -> int:
-    """How many calls up, for who called this, the first is that is not within the package."""
+def _caller_level() -> int:
+    """Stack level, in the calling function, of the first caller outside the package."""
     package, level, frame = __name__.partition(".")[0], 1, sys._getframe(1)
     while frame.f_back is not None:
         name = frame.f_globals.get("__name__", "")
@@ -362,8 +365,8 @@ def _outside() -> int:
     return level
 
 
-def _with_doubts(found: Any, told: list[Note]) -> Any:
-    """A result or a Dataset with doubts of the runs that led to it, one of each kind."""
+def _add_doubts(found: Any, told: list[Note]) -> Any:
+    """Add the doubts of the runs that led to a result or a Dataset, one of each kind."""
     kinds = {NUMBER.sub("", note.text): note for note in reversed(told)}
     if not kinds:
         return found
@@ -376,7 +379,7 @@ def _with_doubts(found: Any, told: list[Note]) -> Any:
 
 
 def _doubts_of(found: Any) -> Iterator[Note]:
-    """The doubts of a result, of a Dataset, or of several of them."""
+    """Yield the doubts about a result, a Dataset, or several of them."""
     if isinstance(found, list):
         for one in found:
             yield from _doubts_of(one)
@@ -387,10 +390,10 @@ def _doubts_of(found: Any) -> Iterator[Note]:
 
 
 def notes_from(attributes: Mapping[str, Any]) -> tuple[Note, ...]:
-    """Return the notes among the attributes of a Dataset."""
+    """Read the notes among the attributes of a Dataset."""
     return tuple(Note(**one) for one in json.loads(attributes[NOTES]))
 
 
 def notes_as_text(notes: Iterable[Note]) -> str:
-    """Return notes as an attribute of a Dataset."""
+    """Text of notes, for an attribute of a Dataset."""
     return json.dumps([note.to_dict() for note in notes])

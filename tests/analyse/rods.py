@@ -10,10 +10,10 @@ import mpmath as mp
 import numpy as np
 
 import rodgen
-from rodgen.analyse.cycles.hopf_start import first_hopf
+from rodgen.analyse.cycles.cycle_search import CycleSearch
+from rodgen.analyse.cycles.hopf_points import first_hopf
 from rodgen.analyse.cycles.periodic_motion import find_cycle
-from rodgen.analyse.cycles.search import Search
-from rodgen.check.by_hand import ByHand
+from rodgen.check.reference_equations import ReferenceEquations
 from rodgen.scene import Scene
 from rodgen.system import ParameterRange, System
 
@@ -85,7 +85,9 @@ def exact_rates(scene: Scene) -> list[Any]:
     with mp.workdps(DIGITS):
         J = mp.matrix(len(y))
         for j, step in enumerate(NUDGE * np.eye(len(y))):
-            up, down = (ByHand(module, scene.parameters, y + d).rhs() for d in (step, -step))
+            up, down = (
+                ReferenceEquations(module, scene.parameters, y + d).rhs() for d in (step, -step)
+            )
             for i, (a, b) in enumerate(zip(up, down, strict=True)):
                 J[i, j] = (a - b) / (2 * mp.mpf(NUDGE))
         return [s for s in mp.eig(J, left=False, right=False) if abs(s) > 1e-12]
@@ -94,12 +96,12 @@ def exact_rates(scene: Scene) -> list[Any]:
 def beside_hopf(scene: Scene, ends: tuple[float, float]) -> tuple[Any, list[float]]:
     """The Hopf point of a thrust between these; and of two cycles beside it, one of half the
     amplitude of the other, how far their periods are from those of the normal form."""
-    search = Search.of(System(scene))
+    search = CycleSearch.of(System(scene))
     hopf, flow = first_hopf(search, ParameterRange(search.system, FORCE, ends))
     errors = []
     for amplitude in (0.06, 0.03):
-        x, value, period = hopf.beside(amplitude)
-        y0 = flow(value).quotient.lifted(x)
+        x, value, period = hopf.cycle_guess(amplitude)
+        y0 = flow(value).quotient.lift(x)
         found = find_cycle(scene.replace({FORCE: value}), y0=y0, period=period)
         errors.append(abs(found.period - period))
     return hopf, errors

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from scipy.linalg import eigvals
 
-from rodgen.analyse.balance import WholeBalance
+from rodgen.analyse.equilibrium_equations import DenseBalance
 from rodgen.analyse.steady_rod import SteadyRod
 from rodgen.scene import Scene
 from tests.analyse.rods import eigenvalues
@@ -43,22 +43,22 @@ def test_slope_of_what_is_out_of_balance(system: SteadyRod) -> None:
     """With a bend that is to remain, the mass that multiplies the rates turns with the rod."""
     draw = np.random.default_rng(3)
     p = system.model.parameters(**system.scene.parameters)
-    half = system.base + system.cells
+    half = system.n_base + system.n_moving
     y = np.zeros(len(system.model.STATE))
     at_rest = np.r_[:half, 2 * half : len(y)]
     y[at_rest] = draw.normal(size=len(at_rest))
     bend = draw.normal(size=len(at_rest))
-    here, h = WholeBalance(system, y, p, bend), 1e-5
+    here, h = DenseBalance(system, y, p, bend), 1e-5
     assert np.abs(here.rates[:half]).max() > 1
     columns = []
     for at in at_rest:
         off = np.zeros(len(y))
         off[at] = h
-        there = (WholeBalance(system, y + side * off, p, bend).residual for side in (1, -1))
+        there = (DenseBalance(system, y + side * off, p, bend).residual for side in (1, -1))
         columns.append(np.subtract(*there) / (2 * h))
     slope = np.stack(columns, axis=1)
     # The mass matrix is differed over 1e-8 rad a link.
-    np.testing.assert_allclose(here.slope, slope, atol=1e-6 * np.abs(slope).max())
+    np.testing.assert_allclose(here.residual_jacobian, slope, atol=1e-6 * np.abs(slope).max())
 
 
 def test_small_motions_are_those_of_the_jacobian(system: SteadyRod) -> None:
@@ -66,8 +66,8 @@ def test_small_motions_are_those_of_the_jacobian(system: SteadyRod) -> None:
     the zeros of motions that nothing holds."""
     p = system.model.parameters(**system.scene.parameters)
     y = np.zeros(len(system.model.STATE))
-    here = WholeBalance(system, y, p, 0.0)
-    dense = here.dense()
+    here = DenseBalance(system, y, p, 0.0)
+    dense = here.dense_pencil()
     size = len(dense.K)
     M, C, K = dense.M, dense.C, dense.K
     # M u'' + C u' + K u = 0, where rows of added states are of first order: M is zero there.
@@ -75,7 +75,7 @@ def test_small_motions_are_those_of_the_jacobian(system: SteadyRod) -> None:
     B = np.block([[np.zeros((size, size)), np.eye(size)], [-K, np.zeros((size, size))]])
     found = eigvals(B, A)
     due = eigenvalues(system.scene, y)
-    due = due[np.argsort(np.abs(due))][2 * len(here.free) :]
+    due = due[np.argsort(np.abs(due))][2 * len(here.free_directions) :]
     finite = found[np.abs(found) < 1e6]
     for value in due:
         assert np.abs(finite - value).min() < 1e-6 * max(1.0, abs(value)), value

@@ -8,11 +8,11 @@ import numpy as np
 import pytest
 
 import rodgen
-from rodgen.analyse.branches.boundary import stability_boundary
-from rodgen.analyse.branches.boundary_equations import Boundary, Scale
-from rodgen.analyse.branches.outline import Outline
-from rodgen.analyse.curves.continuation import Steps
-from rodgen.analyse.pencil import Parts
+from rodgen.analyse.branches.boundary_equations import BoundaryProblem, Scale
+from rodgen.analyse.branches.stability_boundary import stability_boundary
+from rodgen.analyse.branches.stability_region import OutlineTracer
+from rodgen.analyse.curves.continuation import StepControl
+from rodgen.analyse.pencil import MatrixPencil
 from rodgen.errors import AnalysisError
 from tests.analyse.rods import FORCE, ONES, eigenvalues, rod
 from tests.sets import sets
@@ -108,24 +108,26 @@ def test_much_damping_has_a_limit() -> None:
 class Pair:
     """Two motions that do not know of each other, and begin to grow at a = 1 and at b = 1."""
 
-    keys, added = ("a", "b"), 0
+    keys, n_added_states = ("a", "b"), 0
 
-    def at(self, a: float, b: float) -> Parts:
+    def matrices(self, a: float, b: float) -> MatrixPencil:
         K, M = np.diag([1.0, 9.0]), np.eye(2)
         C = np.array([[1.0 - a, 0.0], [0.0, 1.0 - b]])
-        return Parts(K, C, M)
+        return MatrixPencil(K, C, M)
 
-    def slopes(self, a: float, b: float) -> tuple[Parts, Parts]:
+    def slopes(self, a: float, b: float) -> tuple[MatrixPencil, MatrixPencil]:
         nothing = np.zeros((2, 2))
-        by = (Parts(nothing, np.diag(way), nothing) for way in ([-1.0, 0.0], [0.0, -1.0]))
+        by = (MatrixPencil(nothing, np.diag(way), nothing) for way in ([-1.0, 0.0], [0.0, -1.0]))
         return next(by), next(by)
 
 
 def test_the_outline_turns_where_another_motion_begins() -> None:
     plain = Scale(1.0, curved=False)
-    boundary = Boundary(Pair(), (plain, plain), 1.0, True)
-    outline = Outline([(-2.0, 2.0), (-2.0, 2.0)], Steps.of(0.1, 1000, 4), lambda point: None)
-    found = outline.around(boundary, 1.0, 1.0, 0.0)
+    boundary = BoundaryProblem(Pair(), (plain, plain), 1.0, True)
+    outline = OutlineTracer(
+        [(-2.0, 2.0), (-2.0, 2.0)], StepControl.of(0.1, 1000, 4), lambda point: None
+    )
+    found = outline.trace(boundary, 1.0, 1.0, 0.0)
     a, b, frequency, _ = np.array([point.u for point in found.points]).T
     (corner,) = found.special
     assert corner.kind == "corner"

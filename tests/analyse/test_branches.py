@@ -10,10 +10,10 @@ import pytest
 from scipy.optimize import fsolve
 
 import rodgen
-from rodgen.analyse.branches import branch_data
+from rodgen.analyse.branches import equilibrium_data
 from rodgen.analyse.branches.equilibrium_branch import continue_equilibria
-from rodgen.analyse.curves import files
-from rodgen.analyse.extrapolate import richardson
+from rodgen.analyse.curves import curve_files
+from rodgen.analyse.extrapolation import richardson
 from rodgen.analyse.references import elastica
 from rodgen.errors import AnalysisError, InputError
 from tests.analyse.rods import AXIAL, FORCE, LENGTH, ONES, STIFFNESS, rod
@@ -136,8 +136,8 @@ def test_the_fold_of_a_column_with_a_force_across() -> None:
 def test_a_file_is_gone_on_from(tmp_path: Path) -> None:
     scene = rod(6, "clamped", {"tip": {"x": 0.0, "y": 0.3}})
     part = continue_equilibria(scene, AXIAL, (0.0, -9.0))
-    files.save(part, tmp_path / "branch.nc")
-    read = branch_data.read(tmp_path / "branch.nc")
+    curve_files.save(part, tmp_path / "branch.nc")
+    read = equilibrium_data.read(tmp_path / "branch.nc")
     back = continue_equilibria(scene, AXIAL, (0.0, -20.0), resume=read, at=0)
     # The first point is that of the unloaded rod, on its edge.
     assert back.sizes["point"] == part.sizes["point"]
@@ -158,13 +158,13 @@ def test_a_scene_at_a_point_of_a_branch_is_at_rest() -> None:
     assert (values[0], values[-1], -7.0 in values) == (0.0, -20.0, True)
     assert (np.diff(values) < 0).all()
     for at in (0, found.sizes["point"] // 2, -1):
-        there = branch_data.scene_at(found, at)
+        there = equilibrium_data.scene_at(found, at)
         model = rodgen.build(there, "numpy")
         rates = model.rhs(0.0, there.initial_state(), model.parameters(**there.parameters))
         assert np.abs(rates).max() < 1e-8
         assert there.loads.value("tip_force_x") == float(found["value"][at])
     with pytest.raises(InputError, match=r"^at = "):
-        branch_data.scene_at(found, found.sizes["point"])
+        equilibrium_data.scene_at(found, found.sizes["point"])
 
 
 @pytest.mark.slow

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 import rodgen
-from rodgen.analyse.chaos.zero_one import spaced, zero_one_test
+from rodgen.analyse.chaos.zero_one import decimate, zero_one_test
 from rodgen.scene import Scene
 from tests.analyse.rods import ONES, rod
 
@@ -41,7 +41,7 @@ def test_samples_that_are_too_close_are_taken_apart() -> None:
     values = _logistic(3.97, 300)
     fine = np.interp(np.arange(29900) / 100, np.arange(300), values)
     assert zero_one_test(fine) < 0.5
-    assert zero_one_test(spaced(fine)) > 0.9
+    assert zero_one_test(decimate(fine)) > 0.9
 
 
 def test_series_that_say_nothing() -> None:

@@ -8,7 +8,7 @@ import pytest
 
 import rodgen
 from rodgen.analyse.branches.equilibrium_branch import continue_equilibria
-from rodgen.analyse.curves.twice import compared, cycle_doubts
+from rodgen.analyse.curves.mesh_check import add_mesh_doubts, cycle_doubts
 from rodgen.analyse.cycles.periodic_motion import find_cycle
 from rodgen.errors import AnalysisError
 from rodgen.result import Note
@@ -34,7 +34,7 @@ def test_what_is_of_another_kind_is_told() -> None:
     branch = continue_equilibria(COLUMN, FORCE, (1.0, 20.0)).assign_attrs(supercritical=1)
 
     def notes(other: Any) -> tuple[Note, ...]:
-        found: tuple[Note, ...] = compared(branch, 4, lambda: other).rodgen.doubts
+        found: tuple[Note, ...] = add_mesh_doubts(branch, 4, lambda: other).rodgen.doubts
         return found
 
     assert notes(branch) == ()
@@ -45,7 +45,7 @@ def test_what_is_of_another_kind_is_told() -> None:
     def none() -> Any:
         raise AnalysisError("no state to start with")
 
-    assert len(compared(branch, 4, none).rodgen.doubts) == 1
+    assert len(add_mesh_doubts(branch, 4, none).rodgen.doubts) == 1
     assert len(cycle_doubts(find_cycle(ZIEGLER), 3, none)) == 1
 
 

@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 from scipy.sparse import csc_array
 
-from rodgen.analyse.bordered import Bordered, Matrix
-from rodgen.analyse.curves.continuation import continued, started
-from rodgen.analyse.curves.curve import BRANCH, FOLD, Curve, Point, Problem
+from rodgen.analyse.bordered import BorderedMatrix, Matrix
+from rodgen.analyse.curves.continuation import continue_curve, start_point
+from rodgen.analyse.curves.curve import BRANCH, FOLD, ContinuationProblem, Curve, CurvePoint
 from rodgen.arrays import Array
 from rodgen.errors import AnalysisError
 from tests.told import numbers
@@ -18,19 +18,21 @@ from tests.told import numbers
 Equations = Callable[[Array], tuple[list[float], list[list[float]]]]
 
 
-class Known(Problem):
+class Known(ContinuationProblem):
     """Equations with their derivatives, dense or sparse."""
 
     def __init__(self, equations: Equations, size: int, sparse: bool = False):
         self.weights, self.equations, self.sparse = np.ones(size), equations, sparse
 
-    def at(self, u: Array) -> tuple[Array, Matrix]:
+    def evaluate(self, u: Array) -> tuple[Array, Matrix]:
         F, J = map(np.array, self.equations(u))
         return F, csc_array(J) if self.sparse else J
 
 
-def followed(problem: Problem, u: list[float], low: float, high: float, way: float = 1.0) -> Curve:
-    return continued(problem, started(problem, np.array(u), way), low, high)
+def followed(
+    problem: ContinuationProblem, u: list[float], low: float, high: float, way: float = 1.0
+) -> Curve:
+    return continue_curve(problem, start_point(problem, np.array(u), way), low, high)
 
 
 def ellipse(u: Array) -> tuple[list[float], list[list[float]]]:
@@ -83,10 +85,10 @@ def test_both_branches_through_a_simple_branch_point(sparse: bool) -> None:
     before, after = (trivial.points[special.after + at].value for at in (0, 1))
     assert before < 0 < after
     assert special.ways is not None
-    other = Point(special.u, special.ways[1], None, 0, {})
+    other = CurvePoint(special.u, special.ways[1], None, 0, {})
     for sign in (1.0, -1.0):
         start = other._replace(tangent=sign * other.tangent)
-        bent = continued(problem, start, -1.3, 1.0)
+        bent = continue_curve(problem, start, -1.3, 1.0)
         last = bent.points[-1].u
         assert last[2] == 1.0
         assert abs(last[0]) == pytest.approx(1.0, abs=1e-12)
@@ -117,7 +119,7 @@ def test_where_a_curve_ends_what_was_found_is_kept() -> None:
 
 def test_an_unexplained_change_of_stability_is_said() -> None:
     class Unstable(Known):
-        def unstable(self, u: Array) -> int:
+        def count_unstable(self, u: Array) -> int:
             return 3 * int(u[-1] > 0.25)
 
     found = followed(Unstable(lambda u: ([u[0]], [[1.0, 0.0]]), 2), [0.0, 0.0], 0, 1)
@@ -128,7 +130,7 @@ def test_an_unexplained_change_of_stability_is_said() -> None:
 
 def test_a_measure_is_found_where_it_is_zero() -> None:
     class Measured(Known):
-        def measures(self, u: Array) -> dict[str, float]:
+        def test_functions(self, u: Array) -> dict[str, float]:
             return {"passing": float(u[0] - 0.3)}
 
     found = followed(Measured(ellipse, 2), [1.0, 0.0], -0.49, 0.49)
@@ -142,7 +144,7 @@ def test_the_sign_of_a_determinant(sparse: bool) -> None:
     for _ in range(20):
         whole = random.normal(size=(6, 6))
         J = csc_array(whole[:5]) if sparse else whole[:5]
-        made = Bordered(J, whole[5:])
-        assert made.sign == np.sign(np.linalg.det(whole))
+        made = BorderedMatrix(J, whole[5:])
+        assert made.determinant_sign == np.sign(np.linalg.det(whole))
         right = random.normal(size=6)
         np.testing.assert_allclose(made.solve(right, True), np.linalg.solve(whole.T, right))

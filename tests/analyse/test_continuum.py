@@ -11,14 +11,6 @@ from mpmath import mp
 from scipy.integrate import quad, solve_ivp
 from scipy.special import jn_zeros
 
-from rodgen.analyse.references.columns import (
-    Onset,
-    beck,
-    hauger,
-    leipholz,
-    thrust,
-    thrust_frequencies,
-)
 from rodgen.analyse.references.continuum import (
     chain_frequency,
     linear_own_weight,
@@ -27,6 +19,14 @@ from rodgen.analyse.references.continuum import (
     wave_number,
 )
 from rodgen.analyse.references.elastica import Tip, axial_force, own_weight, tip_force
+from rodgen.analyse.references.follower_columns import (
+    FlutterPoint,
+    beck,
+    hauger,
+    leipholz,
+    thrust,
+    thrust_frequencies,
+)
 
 
 @pytest.mark.parametrize("k", [1, 2, 17, 50])
@@ -107,7 +107,7 @@ def _newton_step(weak_form: Any, p: Any, w: Any) -> list[float]:
     ],
 )
 def test_flutter(
-    onset: Callable[..., Onset],
+    onset: Callable[..., FlutterPoint],
     first: int,
     load: Callable[[int, int, int], Any],
     tilt: int,

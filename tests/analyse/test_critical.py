@@ -10,10 +10,10 @@ import numpy as np
 import pytest
 
 from rodgen.analyse.critical import critical_load
-from rodgen.analyse.extrapolate import richardson
-from rodgen.analyse.growth import simulated_critical_load
+from rodgen.analyse.extrapolation import richardson
 from rodgen.analyse.modes import natural_modes
-from rodgen.analyse.references.columns import Onset, beck, hauger, leipholz, thrust
+from rodgen.analyse.references.follower_columns import FlutterPoint, beck, hauger, leipholz, thrust
+from rodgen.analyse.simulated_critical import simulated_critical_load
 from rodgen.errors import AnalysisError
 from rodgen.scene import Scene
 from tests.analyse.rods import ONES, SIZES, THRUST, exact_rates, rod
@@ -62,7 +62,9 @@ def test_damping_that_vanishes() -> None:
 
 
 @pytest.mark.parametrize(("name", "exact"), sets([("clamped", beck)], slow=[("free", thrust)]))
-def test_extrapolated_it_is_that_of_the_continuum(name: str, exact: Callable[[], Onset]) -> None:
+def test_extrapolated_it_is_that_of_the_continuum(
+    name: str, exact: Callable[[], FlutterPoint]
+) -> None:
     n = [5, 10, 20, 40]
     found = [critical_load(rod(k, name, THRUST)) for k in n]
     assert {(one.kind, one.modes) for one in found} == {("flutter", (1, 2))}
@@ -91,7 +93,7 @@ def test_a_thousand_links() -> None:
     ],
 )
 def test_columns_of_distributed_thrust(
-    name: str, exact: float | None, second: Callable[[], Onset]
+    name: str, exact: float | None, second: Callable[[], FlutterPoint]
 ) -> None:
     """The whole force at flutter, from the scene of that name with 12 to 48 links."""
     scene, n, known = Scene.example(name), [12, 16, 24, 32, 48], second()

@@ -11,11 +11,18 @@ import pytest
 from scipy.sparse import csc_array
 
 import rodgen
-from rodgen.analyse.crossing import Border, CrossingKind, Divergence, Flutter, Meeting, NearSingular
-from rodgen.analyse.cycles.hopf import Hopf
-from rodgen.analyse.cycles.hopf_start import first_hopf, recorded_hopf
-from rodgen.analyse.cycles.search import Search
-from rodgen.analyse.pencil import Parts
+from rodgen.analyse.crossing import (
+    Border,
+    CrossingKind,
+    Divergence,
+    Flutter,
+    NearSingular,
+    UndampedFlutter,
+)
+from rodgen.analyse.cycles.cycle_search import CycleSearch
+from rodgen.analyse.cycles.hopf import HopfPoint
+from rodgen.analyse.cycles.hopf_points import first_hopf, read_hopf
+from rodgen.analyse.pencil import MatrixPencil
 from rodgen.arrays import Array
 from rodgen.errors import AnalysisError
 from rodgen.scene import Scene
@@ -25,16 +32,16 @@ from tests.analyse.rods import FORCE, ONES, eigenvalues, rod
 SIZE, NUMBERS = 4, 2
 STEP = 1e-6  # of differences of second order, whose errors are its square: some 1e-10
 RANDOM = np.random.default_rng(5)
-HERE, *SLOPES = (Parts(*RANDOM.normal(size=(3, SIZE, SIZE))) for _ in range(1 + NUMBERS))
+HERE, *SLOPES = (MatrixPencil(*RANDOM.normal(size=(3, SIZE, SIZE))) for _ in range(1 + NUMBERS))
 BORDER = Border(*RANDOM.normal(size=(2, SIZE)))
 OMEGA = 1.3
 INTERNAL = "loads.internal_damping.coefficient"
 
 
-@pytest.mark.parametrize("kind", [Divergence(), Flutter(), Meeting()])
+@pytest.mark.parametrize("kind", [Divergence(), Flutter(), UndampedFlutter()])
 def test_derivatives_of_a_crossing(kind: CrossingKind) -> None:
     def residual(number: int | None, step: float) -> Array:
-        here = HERE if number is None else HERE.plus(SLOPES[number], step)
+        here = HERE if number is None else HERE.add(SLOPES[number], step)
         omega = OMEGA + (step if number is None else 0.0)
         return kind.equations(here, SLOPES, BORDER, omega).residual
 
@@ -66,9 +73,9 @@ def test_a_border_makes_a_singular_matrix_regular(change: Callable[[Array], Any]
         np.testing.assert_allclose(one, two, atol=1e-12)
 
 
-def hopf_of(scene: Scene, bounds: tuple[float, float], key: str = FORCE) -> Hopf:
+def hopf_of(scene: Scene, bounds: tuple[float, float], key: str = FORCE) -> HopfPoint:
     """The Hopf point in which cycles begin."""
-    search = Search.of(System(scene), "numpy")
+    search = CycleSearch.of(System(scene), "numpy")
     return first_hopf(search, ParameterRange(search.system, key, bounds))[0]
 
 
@@ -120,18 +127,18 @@ def test_frequencies_that_meet_about_a_steady_motion() -> None:
     assert found["special_kind"].values.tolist() == ["hopf"]
     values = [float(found[f"special_{x}"][0]) for x in ("value", "frequency")]
     assert values == pytest.approx([critical.value, critical.frequency], rel=1e-10)
-    search = Search.of(System(scene), "numpy")
+    search = CycleSearch.of(System(scene), "numpy")
     along = ParameterRange(search.system, FORCE, (1.0, 40.0))
     with pytest.raises(AnalysisError, match="meet"):
-        recorded_hopf(search, along, found, 1)
+        read_hopf(search, along, found, 1)
 
 
 def test_a_hopf_point_of_a_branch_of_steady_motions() -> None:
     loads = {"follower": {"force": 1.0}, "material_damping": {"time": 0.02}}
     scene = rod(3, "clamped", loads, **ONES)
     found = rodgen.continue_equilibria(scene, FORCE, (1.0, 40.0), motion="initial")
-    search = Search.of(System(scene), "numpy")
-    hopf, _ = recorded_hopf(search, ParameterRange(search.system, FORCE, (1.0, 40.0)), found, 1)
+    search = CycleSearch.of(System(scene), "numpy")
+    hopf, _ = read_hopf(search, ParameterRange(search.system, FORCE, (1.0, 40.0)), found, 1)
     critical = rodgen.critical_load(scene)
     due = critical.value, 2 * np.pi * critical.frequency
     assert (hopf.value, hopf.frequency) == pytest.approx(due, rel=1e-11)

@@ -11,13 +11,13 @@ import pytest
 from scipy.special import ellipk
 
 import rodgen
-from rodgen.analyse.curves import files
-from rodgen.analyse.cycles import branch_data
-from rodgen.analyse.cycles.branches import continue_cycles
-from rodgen.analyse.cycles.hopf_start import first_hopf
+from rodgen.analyse.curves import curve_files
+from rodgen.analyse.cycles import cycle_data
+from rodgen.analyse.cycles.cycle_continuation import continue_cycles
+from rodgen.analyse.cycles.cycle_search import CycleSearch
+from rodgen.analyse.cycles.hopf_points import first_hopf
 from rodgen.analyse.cycles.nonlinear_modes import continue_mode, nonlinear_mode
 from rodgen.analyse.cycles.periodic_motion import find_cycle
-from rodgen.analyse.cycles.search import Search
 from rodgen.errors import AnalysisError, InputError
 from rodgen.scene import Scene
 from rodgen.system import ParameterRange, System
@@ -31,7 +31,7 @@ def branch() -> Any:
 
 def test_flutter_of_zieglers_pendulum_is_a_hopf_point() -> None:
     """At the thrust of Herrmann and Jong (1965) for this damping, 9 (41/28 + 0.18/2)."""
-    search = Search.of(System(ZIEGLER), "numpy")
+    search = CycleSearch.of(System(ZIEGLER), "numpy")
     hopf, _ = first_hopf(search, ParameterRange(search.system, FORCE, (12.0, 17.0)))
     assert hopf.value == pytest.approx(9 * (41 / 28 + 0.18 / 2), rel=1e-11)
     assert hopf.supercritical
@@ -62,15 +62,15 @@ def test_the_normal_form_has_the_cycles_beside_it() -> None:
 
 def test_a_branch_has_the_cycle_of_a_run(branch: Any, tmp_path: Any) -> None:
     alone = find_cycle(COLUMN)
-    at = branch_data.nearest(branch, COLUMN)
-    _, known = branch_data.on_branch(branch, at)
+    at = cycle_data.nearest_point(branch, COLUMN)
+    _, known = cycle_data.system_and_cycle_at(branch, at)
     found = find_cycle(COLUMN, y0=known.y0, period=known.period)
     assert found.period == pytest.approx(alone.period, rel=1e-9)
     # What thrust brings in, damping takes out, in every cycle of the branch.
     work = branch["work"].values
     np.testing.assert_allclose(work.sum(axis=1), 0, atol=1e-9 * np.abs(work).max())
-    files.save(branch, tmp_path / "cycles.nc")
-    again = branch_data.read(tmp_path / "cycles.nc")
+    curve_files.save(branch, tmp_path / "cycles.nc")
+    again = cycle_data.read(tmp_path / "cycles.nc")
     np.testing.assert_array_equal(again["y0"].values, branch["y0"].values)
     # From there both ways: the same curve.
     both = continue_cycles(COLUMN, FORCE, (19.0, 20.5), start=alone)
@@ -86,13 +86,13 @@ def test_a_scene_at_a_point_of_a_branch_starts_on_its_cycle() -> None:
     grows = COLUMN.replace({FORCE: "P0*min(t/0.5, 1)", "parameters": {"P0": 20.0}})
     found = continue_cycles(grows, "parameters.P0", (19.0, 20.5), start="run", step=1.0)
     for at in (0, found.sizes["point"] - 1):
-        scene = branch_data.scene_at(found, at)
+        scene = cycle_data.scene_at(found, at)
         start, period = scene.integrate.span[0], float(found["period"][at])
         assert start == 20.0
         run = rodgen.simulate(scene, span=[start, start + period], rtol=1e-10, atol=1e-12)
         np.testing.assert_allclose(run.y[-1], run.y[0], atol=1e-7 * np.abs(run.y).max())
     with pytest.raises(InputError, match=r"^at = "):
-        branch_data.scene_at(found, found.sizes["point"])
+        cycle_data.scene_at(found, found.sizes["point"])
 
 
 def test_what_no_branch_begins_with() -> None:

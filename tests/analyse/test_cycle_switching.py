@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from rodgen.analyse.branches.equilibrium_branch import continue_equilibria
-from rodgen.analyse.cycles.branches import continue_cycles
+from rodgen.analyse.cycles.cycle_continuation import continue_cycles
 from rodgen.analyse.cycles.periodic_motion import find_cycle
 from rodgen.errors import InputError
 from rodgen.scene import Scene

@@ -10,9 +10,9 @@ import pytest
 from scipy.integrate import solve_ivp
 
 import rodgen
-from rodgen.analyse.cycles.cycle import Cycle
+from rodgen.analyse.cycles.cycle_result import Cycle
+from rodgen.analyse.cycles.cycle_search import CycleSearch
 from rodgen.analyse.cycles.periodic_motion import find_cycle
-from rodgen.analyse.cycles.search import Search
 from rodgen.scene import Scene
 from rodgen.system import System
 from tests.analyse.rods import COLUMN, rod
@@ -84,10 +84,10 @@ def test_of_loads_of_a_time(cycle: Cycle) -> None:
 
 def test_tangents_of_an_implicit_stepper(cycle: Cycle) -> None:
     """By radau as by dop853, over an eighth of the period."""
-    flow = Search.of(System(COLUMN)).flow(0.0, cycle.y0)
+    flow = CycleSearch.of(System(COLUMN)).flow(0.0, cycle.y0)
     x = cycle.y0[flow.quotient.kept]
     by = [
-        replace(flow, method=method).with_tangents(0.0, x, cycle.period / 8)
+        replace(flow, method=method).state_and_tangents_after(0.0, x, cycle.period / 8)
         for method in ("dop853", "radau")
     ]
     for one, other in zip(*by, strict=True):
@@ -101,9 +101,9 @@ def test_stiff_cycles_by_radau() -> None:
     finer = {"rod.links": 20, "loads.material_damping.time": 0.01}
     scene = Scene.example("beck_after_flutter").replace(finer)
     leading = find_cycle(scene, multipliers=3)
-    flow = Search.of(System(scene)).flow(0.0, leading.y0)
+    flow = CycleSearch.of(System(scene)).flow(0.0, leading.y0)
     x = leading.y0[flow.quotient.kept]
-    assert flow.suited(0.0, x, leading.period).method == "radau"
+    assert flow.choose_method(0.0, x, leading.period).method == "radau"
     whole = find_cycle(scene, y0=leading.y0, period=leading.period)
     assert whole.by == "collocation"
     assert whole.period == pytest.approx(leading.period, rel=1e-9)

@@ -8,10 +8,10 @@ import pytest
 from scipy.signal import lfilter
 
 import rodgen
-from rodgen.analyse.branches.coexistence import _newton
-from rodgen.analyse.chaos.exponents import Exponents, standard_errors, trends
+from rodgen.analyse.branches.deflation import _newton
+from rodgen.analyse.chaos.lyapunov import Exponents, half_differences, standard_errors
 from rodgen.analyse.chaos.zero_one import zero_one_test
-from rodgen.analyse.curves.curve import Problem
+from rodgen.analyse.curves.curve import ContinuationProblem
 from rodgen.arrays import Array
 from tests.analyse.rods import ONES, rod
 
@@ -59,7 +59,9 @@ def test_standard_errors_of_a_series_with_a_long_memory() -> None:
 
 def test_trends_are_what_half_the_time_would_have_changed() -> None:
     rates = np.stack((np.linspace(0, 1, 40), np.full(40, 2.0)), axis=1)
-    np.testing.assert_allclose(np.abs(trends(rates)), np.abs(rates[:20].mean(0) - rates.mean(0)))
+    np.testing.assert_allclose(
+        np.abs(half_differences(rates)), np.abs(rates[:20].mean(0) - rates.mean(0))
+    )
 
 
 def test_the_start_of_a_section_is_left_out_from_the_start_of_its_run_on() -> None:
@@ -74,12 +76,12 @@ def test_the_start_of_a_section_is_left_out_from_the_start_of_its_run_on() -> No
     np.testing.assert_array_equal(late, every[every >= 5.0])
 
 
-class Parabola(Problem):
+class Parabola(ContinuationProblem):
     """(x - 1) (x - 2) = 0, whatever the parameter."""
 
     weights = np.ones(2)
 
-    def at(self, u: Array) -> tuple[Array, Array]:
+    def evaluate(self, u: Array) -> tuple[Array, Array]:
         x = float(u[0])
         return np.array([(x - 1) * (x - 2)]), np.array([[2 * x - 3, 0.0]])
 

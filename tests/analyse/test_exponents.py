@@ -13,8 +13,8 @@ from scipy.integrate import simpson
 from scipy.signal import lfilter
 
 import rodgen
-from rodgen.analyse.chaos.exponents import lyapunov_exponents, standard_errors, trends
-from rodgen.analyse.chaos.volume import Kinetic
+from rodgen.analyse.chaos.lyapunov import half_differences, lyapunov_exponents, standard_errors
+from rodgen.analyse.chaos.metrics import KineticMetric
 from rodgen.analyse.chaos.zero_exponents import zero_exponents
 from rodgen.errors import AnalysisError
 from rodgen.integrate.stepper import StepError
@@ -71,7 +71,7 @@ def test_errors_cover_rates_that_drift(memory: int) -> None:
     pieces, series, r = 2000, 1500, np.exp(-1 / memory)
     noise = np.random.default_rng(0).standard_normal((3 * pieces, series))
     rates = lfilter([1.0], [1.0, -r], noise, axis=0)[-pieces:]
-    off = np.abs(rates.mean(axis=0)) / np.hypot(standard_errors(rates), trends(rates))
+    off = np.abs(rates.mean(axis=0)) / np.hypot(standard_errors(rates), half_differences(rates))
     assert 0.7 < (off < 1).mean() < 0.9
     assert (off < 2).mean() > 0.91
 
@@ -131,7 +131,7 @@ def test_exponents_add_up_to_the_mean_divergence(damped: Scene) -> None:
     mean = simpson(traces, x=sol.t) / 10.0
     assert mean < -0.1
     assert found.divergence == pytest.approx(mean, abs=1e-6)
-    dense = Kinetic(model, p).log_density
+    dense = KineticMetric(model, p).log_density
     kept = (dense(10.0, sol.y[-1]) - dense(0.0, sol.y[0])) / 10.0
     assert found.exponents.sum() == pytest.approx(mean + kept, abs=1e-6)
 
@@ -186,7 +186,7 @@ def test_motion_that_cannot_go_on(pendulum: Scene, monkeypatch: pytest.MonkeyPat
     def fail(self: Variations, end: float, most: int | None = None) -> bool:
         raise StepError("the step becomes too small to move on at t = 0 s")
 
-    monkeypatch.setattr(Variations, "on", fail)
+    monkeypatch.setattr(Variations, "advance_to", fail)
     with pytest.raises(AnalysisError, match="too small to move on at t = 0 s"):  # what was raised
         lyapunov_exponents(pendulum)
 

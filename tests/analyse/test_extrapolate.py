@@ -8,7 +8,7 @@ from math import e, inf, isnan, pi, sin
 import numpy as np
 import pytest
 
-from rodgen.analyse.extrapolate import richardson
+from rodgen.analyse.extrapolation import richardson
 from rodgen.errors import AnalysisError, DoubtWarning
 from tests.analyse.rods import rod
 

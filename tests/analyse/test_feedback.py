@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import rodgen
-from rodgen.analyse.growth import growth_in
+from rodgen.analyse.simulated_critical import dmd_growth
 from rodgen.scene import Scene
 from tests.analyse.rods import ONES, are_among, eigenvalues, rod
 
@@ -138,7 +138,7 @@ def test_growth_in_samples_of_three_motions(fastest: float, noise: float) -> Non
     rates[0] = fastest + 3j
     shapes = random.normal(size=(3, 5)) + 1j * random.normal(size=(3, 5))
     angles, speeds = (np.exp(np.outer(T, rates)) @ (k * shapes) for k in (1, rates[:, None]))
-    found = growth_in([angles.real + noise * random.normal(size=angles.shape), speeds.real])
+    found = dmd_growth([angles.real + noise * random.normal(size=angles.shape), speeds.real])
     # A thousandth of what is found to be growth.
     assert found == pytest.approx(np.exp(4.0 * fastest), rel=1e-5)
-    assert growth_in([0.0 * angles.real, 0.0 * speeds.real]) == 0.0  # nothing moves
+    assert dmd_growth([0.0 * angles.real, 0.0 * speeds.real]) == 0.0  # nothing moves

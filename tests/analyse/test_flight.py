@@ -10,11 +10,15 @@ import pytest
 
 import rodgen
 from rodgen.analyse.critical import Critical, critical_load
-from rodgen.analyse.family import family_of
-from rodgen.analyse.growth import SimulatedCritical, difference, simulated_critical_load
+from rodgen.analyse.load_family import load_family
 from rodgen.analyse.modes import Modes, natural_modes
-from rodgen.analyse.steady import steady
+from rodgen.analyse.simulated_critical import (
+    SimulatedCritical,
+    find_difference,
+    simulated_critical_load,
+)
 from rodgen.analyse.steady_rod import SteadyRod
+from rodgen.analyse.steady_state import find_steady_state
 from rodgen.arrays import Array
 from rodgen.scene import Scene
 from rodgen.scene.mesh import mesh_notes
@@ -53,15 +57,15 @@ def _motions(scene: Scene) -> tuple[Array, Array, Array]:
     """Eigenvalues, angles and displacements across the rod of joint 0, of all small motions, by
     central differences of the right-hand side."""
     system = SteadyRod.of(scene)
-    state = steady(system)
-    y = system.flying(state.at)
+    state = find_steady_state(system)
+    y = system.state_in_flight(state.at)
     columns = [
         (system.model.rhs(0.0, y + d, state.p) - system.model.rhs(0.0, y - d, state.p))
         for d in NUDGE * np.eye(len(y))
     ]
     s, vectors = np.linalg.eig(np.column_stack(columns) / (2 * NUDGE))
     across = np.array([-np.sin(state.phi[0]), np.cos(state.phi[0])])
-    return s, vectors[2 : 2 + system.cells], across @ vectors[:2]
+    return s, vectors[2 : 2 + system.n_moving], across @ vectors[:2]
 
 
 @pytest.mark.parametrize(("speed", "angle"), [(SPEED, 2.0), (0.0, 0.0)])
@@ -163,7 +167,11 @@ def test_runs_find_it_too() -> None:
     assert (found.growth, found.speed) == (None, 20.0)
     # By eigenvalues, growth of 1 % in the span begins between the two; to a tenth, since the drag
     # of a disturbance that is not infinitely small counts.
-    rates = family_of(scene, speed=20.0).rates(np.array([found.low, found.high])).real.max(axis=1)
+    rates = (
+        load_family(scene, speed=20.0)
+        .eigenvalues(np.array([found.low, found.high]))
+        .real.max(axis=1)
+    )
     assert rates[0] * 0.9 < np.log(1.01) / span < rates[1] * 1.1
 
 
@@ -175,15 +183,15 @@ def test_doubt() -> None:
     """Of an onset that simulations miss by more than slow growth explains."""
     scene = rod(4, "free", PUSHED)
     flies: Critical = critical_load(scene, speed=20.0)
-    family = family_of(scene, speed=20.0)
-    assert not [*difference(flies.value, _simulated(1.04 * flies.value), family)]
+    family = load_family(scene, speed=20.0)
+    assert not [*find_difference(flies.value, _simulated(1.04 * flies.value), family)]
     said = {
         str(one)
         for share, growth, speed in ((1.06, 1e6, 20.0), (0.5, None, 20.0), (1.5, None, 0.0))
-        for one in difference(
+        for one in find_difference(
             flies.value,
             _simulated(share * flies.value, growth),
-            family_of(scene, speed=speed),
+            load_family(scene, speed=speed),
         )
     }
     assert len(said) == 3  # each has a reason of its own

@@ -10,7 +10,7 @@ import pytest
 from scipy.linalg import eigh
 
 import rodgen
-from rodgen.analyse.fourier import WINDOWS, peaks_of, spectrum
+from rodgen.analyse.spectrum import WINDOWS, find_peaks, spectrum
 from rodgen.errors import AnalysisError
 from rodgen.scene import Scene
 from tests.analyse.rods import jacobian, rod
@@ -87,7 +87,7 @@ def test_lone_tone_is_found_between_bins(window: str, bins: float) -> None:
     T = 10.0
     for _ in range(100):
         f, phase = random.uniform(2 * H / T, 50 - 2 * H / T), random.uniform(0, 2 * np.pi)
-        found = peaks_of(t, 3 * np.cos(2 * np.pi * f * t + phase) + 7 - 2 * t, window=window)
+        found = find_peaks(t, 3 * np.cos(2 * np.pi * f * t + phase) + 7 - 2 * t, window=window)
         assert len(found.frequencies) == 1
         assert abs(found.frequencies[0] - f) * T < bins
         assert found.amplitudes[0] == pytest.approx(3, rel=3 * bins)
@@ -103,7 +103,7 @@ def test_two_close_tones(apart: float, bins: float) -> None:
         f = random.uniform(2, 40)
         both = np.array([f, f + apart * 0.4])
         x = np.cos(2 * np.pi * np.outer(t, both) + random.uniform(0, 7, 2))
-        found = peaks_of(t, x.sum(axis=1))
+        found = find_peaks(t, x.sum(axis=1))
         assert np.abs(found.frequencies - both).max() * 10 < bins
 
 
@@ -111,11 +111,11 @@ def test_weak_tone_beside_a_strong_one_and_a_node() -> None:
     """A channel that stands still at one tone does not hide it."""
     t = 0.01 * np.arange(2000)
     strong, weak = np.cos(2 * np.pi * 3.33 * t), 1e-5 * np.sin(2 * np.pi * 7.77 * t)
-    found = peaks_of(t, np.stack((strong, weak, 0 * t), axis=1))
+    found = find_peaks(t, np.stack((strong, weak, 0 * t), axis=1))
     np.testing.assert_allclose(found.frequencies, (3.33, 7.77), rtol=1e-6)
     np.testing.assert_allclose(found.amplitudes, (1, 1e-5), rtol=1e-5)
-    assert len(peaks_of(t, strong + weak, peaks=1).frequencies) == 1
-    assert len(peaks_of(t, strong + weak, floor=1e-3).frequencies) == 1
+    assert len(find_peaks(t, strong + weak, peaks=1).frequencies) == 1
+    assert len(find_peaks(t, strong + weak, floor=1e-3).frequencies) == 1
 
 
 def test_drift_and_noise_are_no_tones_and_what_is_needed_is_told() -> None:
@@ -124,11 +124,11 @@ def test_drift_and_noise_are_no_tones_and_what_is_needed_is_told() -> None:
     drifts = [shape(t - 5) for shape in (np.square, np.tanh, np.zeros_like, np.positive)]
     for signal in (*drifts, *random.standard_normal((20, 2000))):
         with pytest.raises(AnalysisError):
-            peaks_of(t, signal)
+            find_peaks(t, signal)
     t, x = t[:100], np.cos(60 * t[:100])
     for lowest, needed in ((2.0, 4.0), (50.0, 0.008)):
         with pytest.raises(AnalysisError) as error:
-            peaks_of(t, x, lowest=lowest)
+            find_peaks(t, x, lowest=lowest)
         assert needed in numbers(error.value)
     with pytest.raises(AnalysisError, match=r"\b16\b"):
-        peaks_of(t[:10], x[:10])
+        find_peaks(t[:10], x[:10])

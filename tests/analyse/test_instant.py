@@ -9,7 +9,7 @@ import pytest
 
 import rodgen
 from rodgen.scene import Scene
-from rodgen.system.instant import describe_instant, inactive_loads, instant
+from rodgen.system.freezing import describe_instant, inactive_loads, load_time
 from tests.analyse.rods import rod
 
 BURN = "300 if t < 5 else 0"  # a burn of 5 s in a span of 8 s
@@ -39,7 +39,7 @@ def test_loads_are_those_at_the_start() -> None:
 
 def test_both_ends_of_the_span_are_in_it() -> None:
     scene = timed({}, (2.0, 8.0))
-    assert [instant(scene, t) for t in (None, 2, np.float64(8.0))] == [2.0, 2.0, 8.0]
+    assert [load_time(scene, t) for t in (None, 2, np.float64(8.0))] == [2.0, 2.0, 8.0]
 
 
 @pytest.mark.parametrize(

@@ -12,8 +12,8 @@ import pytest
 import xarray as xr
 
 from rodgen.analyse.curves import continuation
-from rodgen.analyse.curves.curve import Point, Problem, Special
-from rodgen.analyse.curves.journal import Journal, Step, written
+from rodgen.analyse.curves.curve import ContinuationProblem, CurvePoint, SpecialPoint
+from rodgen.analyse.curves.journal import Journal, Step, use_journal
 from rodgen.arrays import Array
 from rodgen.result import doubt
 from tests.analyse.test_interruption import _boundary, _cycles, _equilibria
@@ -22,13 +22,13 @@ from tests.sets import sets
 COMMAND = {"command": "test"}
 
 
-class _Near(Problem):
+class _Near(ContinuationProblem):
     """A problem of which only the length of a change is asked for."""
 
     def __init__(self) -> None:
         self.weights = np.ones(4)
 
-    def at(self, u: Array) -> tuple[Array, Array]:
+    def evaluate(self, u: Array) -> tuple[Array, Array]:
         raise AssertionError
 
 
@@ -56,7 +56,7 @@ def _kept(follow: Any, journal: Journal | None, last: float = np.inf) -> tuple[A
     """The curve, of which the journal has what is new, and how many steps were computed; killed by
     the point of a number."""
     seen, steps = 0, 0
-    step = continuation._Walk._step
+    step = continuation._Follower._try_step
 
     def counted(*given: Any) -> Any:
         nonlocal steps
@@ -69,8 +69,8 @@ def _kept(follow: Any, journal: Journal | None, last: float = np.inf) -> tuple[A
         if seen >= last:
             raise Killed
 
-    with pytest.MonkeyPatch.context() as patch, written(journal):
-        patch.setattr(continuation._Walk, "_step", counted)
+    with pytest.MonkeyPatch.context() as patch, use_journal(journal):
+        patch.setattr(continuation._Follower, "_try_step", counted)
         return follow(watch=watch), steps
 
 
@@ -90,7 +90,7 @@ def test_what_was_killed_goes_on_to_the_same_bits(kind: str, tmp_path: Path) -> 
         journal = Journal.read(path)
         assert journal is not None
         assert journal.command == COMMAND
-        assert journal.steps >= last - 3  # without a start, or two
+        assert journal.n_unread >= last - 3  # without a start, or two
     again, steps = _kept(follow, journal)
     xr.testing.assert_identical(again, whole)
     assert steps < all_steps - count / 2
@@ -105,9 +105,9 @@ def test_what_was_killed_goes_on_to_the_same_bits(kind: str, tmp_path: Path) -> 
 def test_steps_are_read_as_they_were_written(tmp_path: Path) -> None:
     """Of numbers that few decimal digits have, and of what is not known."""
     u, tangent = np.array([0.1 + 0.2, -0.0, 1e-310, 4.0]), np.array([1 / 3, 2.0, 1e308, 0.0])
-    point = Point(u, tangent, None, -1, {"cusp": 1 / 7})
+    point = CurvePoint(u, tangent, None, -1, {"cusp": 1 / 7})
     ways = np.array([[1.0, 2.0], [3.0, 4.0]])
-    special = [Special("branch", u, 3, 0.7, ways, "why"), Special("hopf", u)]
+    special = [SpecialPoint("branch", u, 3, 0.7, ways, "why"), SpecialPoint("hopf", u)]
     step, path = (
         Step(point, special, [doubt("a\nnote", value=1 / 3), doubt("é")], 0.3, 2),
         tmp_path / "a.steps",
@@ -118,18 +118,18 @@ def test_steps_are_read_as_they_were_written(tmp_path: Path) -> None:
     made.add(step)
     found = Journal.read(path)
     assert found is not None
-    assert found.steps == 1
+    assert found.n_unread == 1
     found.begin(NEAR, point._replace(u=u + 1e-9))
-    back = found.next()
+    back = found.next_step()
     assert back is not None
     assert (back.notes, back.h, back.before) == (step.notes, 0.3, 2)
     for a, b in zip((back.point, *back.special), (point, *special), strict=True):
         np.testing.assert_equal(a._asdict(), b._asdict())
-    assert found.next() is None
+    assert found.next_step() is None
     other = Journal.read(path)
     assert other is not None
     other.begin(NEAR, point._replace(u=u + 1e-3))  # another curve: nothing of this one counts
-    assert other.next() is None
+    assert other.next_step() is None
     assert len(path.read_bytes().splitlines()) == 2
     other.discard()
     assert Journal.read(path) is None

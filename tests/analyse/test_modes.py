@@ -10,12 +10,12 @@ import numpy as np
 import pytest
 
 import rodgen
-from rodgen.analyse.extrapolate import richardson
+from rodgen.analyse.extrapolation import richardson
+from rodgen.analyse.frozen_modes import frozen_modes
 from rodgen.analyse.modes import natural_modes
-from rodgen.analyse.modes_about import modes_about
 from rodgen.analyse.references.continuum import chain_frequency, natural_frequency
 from rodgen.errors import InputError
-from rodgen.live.run.aside_process import MOST_LINKS, WORKS
+from rodgen.live.run.worker_main import MOST_LINKS, WORKS
 from rodgen.model.rod import BOUNDARIES, INERTIAS
 from rodgen.scene import Scene
 from tests.analyse.rods import SIZES, THRUST, eigenvalues, exact_rates, rod
@@ -165,7 +165,7 @@ def test_modes_of_a_straight_rod_are_its_natural_modes() -> None:
     scene = straight(velocity=[3.0, -1.0], omega="0.5*s")
     model = rodgen.build(scene, target="numpy")
     p = model.parameters(**scene.parameters)
-    found = modes_about(model, 0.0, scene.initial_state(), p, 3)
+    found = frozen_modes(model, 0.0, scene.initial_state(), p, 3)
     wanted = rodgen.natural_modes(straight(), count=3)
     # Differences of 1e-5 rad, and zeros of the rigid motions beside.
     assert found.frequencies == pytest.approx(wanted.frequencies, rel=1e-6)

@@ -9,9 +9,9 @@ import pytest
 from scipy.optimize import root
 
 import rodgen
-from rodgen.analyse.branches import branch_data
+from rodgen.analyse.branches import equilibrium_data
 from rodgen.analyse.branches.equilibrium_branch import continue_equilibria
-from rodgen.analyse.curves import files
+from rodgen.analyse.curves import curve_files
 from rodgen.errors import AnalysisError, InputError
 from rodgen.scene import Scene
 from tests.analyse.rods import AXIAL, FORCE, ONES, jacobian, rod
@@ -28,9 +28,9 @@ def _scene(n: int, boundary: str, loads: dict[str, Any], **tables: Any) -> Scene
 def _keeps_its_shape(found: Any, at: int, span: float) -> None:
     """A run from the state of a point: no angle changes against the others, and all turn with the
     rate of the branch. 1e-8 is what the run's own errors leave, times how unstable it is."""
-    scene = branch_data.scene_at(found, at)
+    scene = equilibrium_data.scene_at(found, at)
     run = rodgen.simulate(scene, target="numpy", span=[0.0, span], rtol=1e-11, atol=1e-12)
-    base = 2 * scene.hold.translates
+    base = 2 * scene.boundary_condition.translates
     phi = run.y[:, base : base + scene.rod.links]
     turned = phi[0] + np.multiply.outer(run.t, np.full(scene.rod.links, found["turning"][at]))
     np.testing.assert_allclose(phi, turned, atol=1e-8)
@@ -104,11 +104,11 @@ def test_a_dragged_rod_keeps_its_bend(tmp_path: Any) -> None:
     assert bend[-1] > 0.3
     for at in (0, -1):
         _keeps_its_shape(found, at, 0.5)
-        J = jacobian(branch_data.scene_at(found, at))
+        J = jacobian(equilibrium_data.scene_at(found, at))
         s = np.linalg.eigvals(np.delete(np.delete(J, [0, 1], 0), [0, 1], 1))
         assert int((s.real > 1e-9 * np.abs(s).max()).sum()) == found["unstable"].values[at]
-    files.save(found, tmp_path / "branch.nc")
-    read = branch_data.read(tmp_path / "branch.nc")
+    curve_files.save(found, tmp_path / "branch.nc")
+    read = equilibrium_data.read(tmp_path / "branch.nc")
     half = found.sizes["point"] // 2
     again = continue_equilibria(scene, STIFFNESS, (10.0, 0.5), resume=read, at=half, step=0.1)
     np.testing.assert_allclose(again["y"].values[-1, 2:], found["y"].values[-1, 2:], atol=1e-9)

@@ -8,11 +8,11 @@ import numpy as np
 import pytest
 
 from rodgen.analyse.branches.equilibrium_branch import continue_equilibria
-from rodgen.analyse.curves.continuation import continued, started
-from rodgen.analyse.curves.curve import BRANCH, Problem
+from rodgen.analyse.curves.continuation import continue_curve, start_point
+from rodgen.analyse.curves.curve import BRANCH, ContinuationProblem
+from rodgen.analyse.cycles.cycle_search import CycleSearch
 from rodgen.analyse.cycles.hopf import normal_form
-from rodgen.analyse.cycles.hopf_start import first_hopf
-from rodgen.analyse.cycles.search import Search
+from rodgen.analyse.cycles.hopf_points import first_hopf
 from rodgen.arrays import Array
 from rodgen.scene import Scene
 from rodgen.system import ParameterRange, System
@@ -53,7 +53,7 @@ def test_the_motion_of_a_hopf_point_has_its_largest_angle_one() -> None:
     """Also where added states, which follow a thousandfold, come behind the rates."""
     states = {name: {"rate": f"1000*phi({at}) - {name}"} for name, at in (("a", 0.5), ("b", 1.0))}
     scene = Scene.from_dict(COLUMN.model_dump(exclude_none=True) | {"states": states})
-    search = Search.of(System(scene), "numpy")
+    search = CycleSearch.of(System(scene), "numpy")
     hopf, _ = first_hopf(search, ParameterRange(search.system, FORCE, (8.0, 22.0)))
     assert np.abs(hopf.way[:3]).max() == pytest.approx(1.0)
     assert np.abs(hopf.way).max() > 10
@@ -86,12 +86,12 @@ def test_flutter_of_a_rod_that_is_unstable_already() -> None:
     assert growing > 0
 
 
-class Crossing(Problem):
+class Crossing(ContinuationProblem):
     """Two lines that cross at no right angle, x = 2 l and x = -l / 3."""
 
     weights = np.ones(2)
 
-    def at(self, u: Array) -> tuple[Array, Array]:
+    def evaluate(self, u: Array) -> tuple[Array, Array]:
         x, l = u
         one, two = x - 2 * l, x + l / 3
         return np.array([one * two]), np.array([[one + two, -2 * two + one / 3]])
@@ -99,7 +99,9 @@ class Crossing(Problem):
 
 def test_tangents_of_both_branches_through_a_branch_point() -> None:
     problem = Crossing()
-    (special,) = continued(problem, started(problem, np.array([-2.0, -1.0])), -1.0, 1.0).special
+    (special,) = continue_curve(
+        problem, start_point(problem, np.array([-2.0, -1.0])), -1.0, 1.0
+    ).special
     assert special.kind == BRANCH
     assert special.ways is not None
     for way, slope in zip(special.ways, (2.0, -1 / 3), strict=True):

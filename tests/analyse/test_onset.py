@@ -21,9 +21,9 @@ import pytest
 from scipy.optimize import brentq
 
 from rodgen.analyse.critical import critical_load
-from rodgen.analyse.extrapolate import richardson
+from rodgen.analyse.extrapolation import richardson
 from rodgen.analyse.modes import natural_modes
-from rodgen.analyse.onset import digits
+from rodgen.analyse.onset import format_with_error
 from rodgen.errors import AnalysisError
 from rodgen.scene import Scene
 from tests.analyse.rods import ONES, rod
@@ -314,10 +314,10 @@ def test_error_of_a_frequency_is_a_share_of_it() -> None:
 
 
 def test_only_digits_that_hold_are_printed() -> None:
-    assert digits(8.094074512345678, 1e-9) == "8.09407451"
-    assert digits(8.094074512345678, 1e-15) == "8.09407451235"
-    assert digits(8.094074512345678, 1.0) == "8.09"
-    assert digits(0.0, 0.1) == "0"
+    assert format_with_error(8.094074512345678, 1e-9) == "8.09407451"
+    assert format_with_error(8.094074512345678, 1e-15) == "8.09407451235"
+    assert format_with_error(8.094074512345678, 1.0) == "8.09"
+    assert format_with_error(0.0, 0.1) == "0"
 
 
 def _flutter_of_two_bodies(n: int) -> float:

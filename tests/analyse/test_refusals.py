@@ -9,20 +9,17 @@ import numpy as np
 import pytest
 
 import rodgen
-from rodgen.analyse.branches.boundary import stability_boundary
 from rodgen.analyse.branches.equilibrium_branch import continue_equilibria
-from rodgen.analyse.chaos.exponents import lyapunov_exponents
+from rodgen.analyse.branches.stability_boundary import stability_boundary
+from rodgen.analyse.chaos.lyapunov import lyapunov_exponents
 from rodgen.analyse.chaos.zero_one import zero_one_test
 from rodgen.analyse.critical import critical_load
-from rodgen.analyse.cycles.branches import continue_cycles
+from rodgen.analyse.cycles.cycle_continuation import continue_cycles
 from rodgen.analyse.cycles.floquet import floquet
 from rodgen.analyse.cycles.nonlinear_modes import nonlinear_mode
 from rodgen.analyse.cycles.periodic_motion import find_cycle
-from rodgen.analyse.extrapolate import richardson
-from rodgen.analyse.fourier import peaks_of
-from rodgen.analyse.growth import simulated_critical_load
+from rodgen.analyse.extrapolation import richardson
 from rodgen.analyse.modes import natural_modes
-from rodgen.analyse.references.columns import LOADS, thrust_frequencies
 from rodgen.analyse.references.continuum import (
     chain_frequency,
     linear_own_weight,
@@ -31,6 +28,9 @@ from rodgen.analyse.references.continuum import (
     wave_number,
 )
 from rodgen.analyse.references.elastica import axial_force, own_weight, tip_force
+from rodgen.analyse.references.follower_columns import LOADS, thrust_frequencies
+from rodgen.analyse.simulated_critical import simulated_critical_load
+from rodgen.analyse.spectrum import find_peaks
 from rodgen.analyse.statics import static_equilibrium
 from rodgen.errors import AnalysisError
 from rodgen.scene import Scene
@@ -84,8 +84,8 @@ OPTIONS: list[tuple[Callable[..., object], tuple[Any, ...], dict[str, tuple[Any,
     (floquet, (forced("sin(t) + sin(sqrt(2)*t)"),), {"period": (None,)}),
     (lyapunov_exponents, (TUMBLING,), {"count": (0, 5, 1.5), "span": (-1.0, inf)}),
     (lyapunov_exponents, (TUMBLING,), {"transient": (10.0, nan)}),
-    (peaks_of, (T, TONE), {"window": ("blackman",), "peaks": (0,), "lowest": (-1.0,)}),
-    (peaks_of, (T, TONE), {"floor": (1.0,)}),
+    (find_peaks, (T, TONE), {"window": ("blackman",), "peaks": (0,), "lowest": (-1.0,)}),
+    (find_peaks, (T, TONE), {"floor": (1.0,)}),
     (richardson, ((10, 20), (1, 2)), {"order": (0,)}),
     (richardson, ((10, 20, 40), (1, 1.5, 1.6)), {"order": ((4, 2),)}),
     (wave_number, ("free",), {"k": (0,)}),
@@ -152,10 +152,10 @@ OTHERS: list[tuple[str, Callable[[], object]]] = [
     ("section", lambda: rodgen.poincare_section(SWINGING, "phi_0", rising=0.0, falling=0.0)),
     ("rising", lambda: rodgen.poincare_section(SWINGING, "phi_0", rising=nan)),
     ("transient", lambda: rodgen.poincare_section(SWINGING, "phi_0", rising=0.0, transient=-1.0)),
-    ("t[99]", lambda: peaks_of(np.r_[T[:99], 1.0], TONE)),
-    ("t[1]", lambda: peaks_of(np.zeros(100), TONE)),
-    ("signal", lambda: peaks_of(T, TONE[:50])),
-    ("signal", lambda: peaks_of(T, np.full(100, nan))),
+    ("t[99]", lambda: find_peaks(np.r_[T[:99], 1.0], TONE)),
+    ("t[1]", lambda: find_peaks(np.zeros(100), TONE)),
+    ("signal", lambda: find_peaks(T, TONE[:50])),
+    ("signal", lambda: find_peaks(T, np.full(100, nan))),
     ("n", lambda: richardson((10, 20), (1, 2))),
     ("n", lambda: richardson((10,), (1,), 2)),
     *(("n", lambda n=n: richardson((10, 20, n), (1, 2, 3))) for n in (20, -5, inf)),

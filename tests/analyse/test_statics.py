@@ -11,7 +11,7 @@ import pytest
 from scipy.optimize import fsolve
 
 import rodgen
-from rodgen.analyse.branches.coexistence import static_equilibria
+from rodgen.analyse.branches.deflation import static_equilibria
 from rodgen.analyse.references import elastica
 from rodgen.analyse.statics import static_equilibrium
 from rodgen.scene import Scene

@@ -8,7 +8,7 @@ import numpy as np
 
 import rodgen
 from rodgen import Scene
-from rodgen.analyse.cycles.quotient import Quotient
+from rodgen.analyse.cycles.symmetry import SymmetryReduction
 
 
 def test_a_turned_free_rod_in_drag_moves_as_before_but_turned(
@@ -20,23 +20,23 @@ def test_a_turned_free_rod_in_drag_moves_as_before_but_turned(
     model = rodgen.build(scene, "numpy")
     p, random, angle = model.parameters(**scene.parameters), np.random.default_rng(3), 0.7
     y = random.normal(size=len(model.STATE))
-    quotient = Quotient.of(model, p, 0.0, y)
+    quotient = SymmetryReduction.of(model, p, 0.0, y)
     assert quotient.turns
     assert len(quotient.velocity) == 2
     kept, x = quotient.kept, y[quotient.kept]
 
     def rates(x: np.ndarray) -> np.ndarray:
-        return np.asarray(model.rhs(0.0, quotient.lifted(x), p)[kept])
+        return np.asarray(model.rhs(0.0, quotient.lift(x), p)[kept])
 
-    here = quotient.turned_columns(rates(x)[:, None], angle)[:, 0]
+    here = quotient.rotate_columns(rates(x)[:, None], angle)[:, 0]
     np.testing.assert_allclose(
-        rates(quotient.turned(x, angle)), here, atol=1e-10 * np.abs(here).max()
+        rates(quotient.rotate(x, angle)), here, atol=1e-10 * np.abs(here).max()
     )
     # Velocities have turned by the angle that the links have.
     ahead, turned = (
-        np.arctan2(*z[quotient.velocity][::-1]) for z in (x, quotient.turned(x, angle))
+        np.arctan2(*z[quotient.velocity][::-1]) for z in (x, quotient.rotate(x, angle))
     )
     assert np.isclose((turned - ahead) % (2 * np.pi), angle)
     v, h = random.normal(size=len(x)), 1e-6
-    change = (quotient.turned(x + h * v, angle) - quotient.turned(x - h * v, angle)) / (2 * h)
-    np.testing.assert_allclose(quotient.turned_columns(v[:, None], angle)[:, 0], change, atol=1e-8)
+    change = (quotient.rotate(x + h * v, angle) - quotient.rotate(x - h * v, angle)) / (2 * h)
+    np.testing.assert_allclose(quotient.rotate_columns(v[:, None], angle)[:, 0], change, atol=1e-8)

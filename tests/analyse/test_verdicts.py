@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import rodgen
-from rodgen.analyse.branches.coexistence import static_equilibria
+from rodgen.analyse.branches.deflation import static_equilibria
 from rodgen.analyse.statics import static_equilibrium
 from rodgen.errors import AnalysisError
 from rodgen.model.rod import BOUNDARIES, INERTIAS
@@ -56,7 +56,7 @@ def growth(scene: Scene, force: float) -> float:
     """Of what grows most about the straight rod [1/s]."""
     scene = scene.replace({FORCE: force})
     y = np.zeros(len(scene.initial_state()))
-    half, free = (len(y) - len(scene.states)) // 2, scene.hold.translates
+    half, free = (len(y) - len(scene.states)) // 2, scene.boundary_condition.translates
     moving, J = y.copy(), jacobian(scene, y).copy()
     moving[half + free : half + 2 if free else 2 * half] = SLIGHT
     J[:, half : 2 * half] = jacobian(scene, moving)[:, half : 2 * half]

@@ -18,9 +18,9 @@ from scipy.special import ellipj, ellipk
 import rodgen
 from rodgen.analyse.precision import contestant
 from rodgen.analyse.precision import work_precision as sets
-from rodgen.analyse.precision.contestant import Contestant, Deadline, Finish, Limits, Measurement
+from rodgen.analyse.precision.contestant import Contestant, Deadline, Limits, Measurement, RunResult
 from rodgen.analyse.precision.job import Job, Measures
-from rodgen.analyse.precision.rows import cheapest, front
+from rodgen.analyse.precision.rows import find_cheapest, pareto_front
 from rodgen.scene import Scene
 from tests.told import numbers
 
@@ -65,9 +65,9 @@ def test_reference_is_as_close_as_it_says(
 ) -> None:
     """Of a pendulum, to elliptic functions, by an explicit method and by one for stiff scenes."""
     monkeypatch.setattr(sets, "FAMILIES", families)
-    found = sets.reference(job, 5.0)
+    found = sets.compute_reference(job, 5.0)
     assert (found.method, found.checked_by.split(",")[0]) == families
-    exact = swung(job.times)
+    exact = swung(job.sample_times)
     errors = [np.abs(states[:, 0] - exact).max() for states in (found.states, found.other)]
     # The larger error of two is near their difference; elliptic functions are good to some 1e-15.
     assert max(errors) < 3 * (found.off.max() + 1e-14)
@@ -139,17 +139,20 @@ class Stage:
     """A pendulum at rest, and a clock that stands still but for what runs take."""
 
     def __init__(self, job: Job, monkeypatch: pytest.MonkeyPatch):
-        self.states, self.now = np.tile(np.zeros_like(job.start), (len(job.times), 1)), 0.0
+        self.states, self.now = (
+            np.tile(np.zeros_like(job.initial_state), (len(job.sample_times), 1)),
+            0.0,
+        )
         self.measures = Measures(job, self.states)
         monkeypatch.setattr(contestant, "time", SimpleNamespace(perf_counter=lambda: self.now))
 
-    def run(self, wanted: float | Exception, states: np.ndarray) -> Finish:
+    def run(self, wanted: float | Exception, states: np.ndarray) -> RunResult:
         """A run that takes so many seconds, or raises."""
         if isinstance(wanted, Exception):
             raise wanted
         self.now += wanted
-        Deadline.look()
-        return Finish(states, {"steps": round(100 * wanted)}, wanted)
+        Deadline.check()
+        return RunResult(states, {"steps": round(100 * wanted)}, wanted)
 
     def family(
         self, *seconds: float | Exception, method: str = "m", states: np.ndarray | None = None
@@ -202,7 +205,7 @@ def test_family_that_breaks_off_keeps_its_rows(stage: Stage) -> None:
 
 def test_methods_in_a_row_have_limits_of_their_own(stage: Stage) -> None:
     two = chain(stage.family(10.0, 0.0, 0.0), stage.family(0.0, 0.0, method="other"))
-    rows = contestant.in_a_row(two, LABEL, stage.measures, Limits(0.05, 1.0))
+    rows = contestant.sweep_methods(two, LABEL, stage.measures, Limits(0.05, 1.0))
     found = [(row["method"], bool(row["failed"])) for row in rows]
     assert found == [("m", True), ("m", True), ("other", False), ("other", False)]
 
@@ -232,11 +235,11 @@ def test_front_of_made_up_rows() -> None:
     fast, near = row("a", 0.1, 1.0, 1e-3), row("b", 0.1, 3.0, 1e-8)
     below, slower = row("c", 0.1, 2.0, 1e-12), row("d", 0.1, 4.0, 1e-14)
     failed = row("c", 0.1, 0.1, 1e-9, failed="fell over")
-    assert front([row("b", 0.2, 2.0, 1e-2), near, failed, fast]) == [fast, near]
+    assert pareto_front([row("b", 0.2, 2.0, 1e-2), near, failed, fast]) == [fast, near]
     rows = [fast, near, below, slower]
-    assert front(rows) == [fast, below, slower]
-    assert front(rows, trusted=1e-10) == [fast]
-    assert front([fast, near, slower], trusted=1e-10) == [fast, near]
+    assert pareto_front(rows) == [fast, below, slower]
+    assert pareto_front(rows, trusted=1e-10) == [fast]
+    assert pareto_front([fast, near, slower], trusted=1e-10) == [fast, near]
 
 
 def test_cheapest_is_not_by_chance() -> None:
@@ -244,9 +247,9 @@ def test_cheapest_is_not_by_chance() -> None:
     good = row("a", 0.1, 4.0, 1e-7)
     failed = row("c", 0.1, 0.1, 1e-9, failed="fell over")
     rows = [failed, unlucky, lucky, good, row("b", 0.1, 5.0, 1e-9)]
-    assert cheapest(rows, 1e-6) is good
-    assert cheapest(rows, 1e-8) is rows[-1]
-    assert cheapest(rows, 1e-10) is None
+    assert find_cheapest(rows, 1e-6) is good
+    assert find_cheapest(rows, 1e-8) is rows[-1]
+    assert find_cheapest(rows, 1e-10) is None
 
 
 @pytest.mark.slow
@@ -266,7 +269,7 @@ def test_a_rod_that_does_not_turn_is_held_by_its_tail() -> None:
     exact[:, 0], exact[:, 4] = -(1 - np.cos(2 * t)) / 2, -np.sin(2 * t)
     exact[:, 8], exact[:, 9] = 1 - np.exp(-t), t - 1 + np.exp(-t)
     measures = Measures(job, exact)
-    assert measures.main == "error_tail"
+    assert measures.default_measure == "error_tail"
     off = exact.copy()
     off[2, 0] += 1e-3
     found = measures.errors(off)
@@ -283,11 +286,11 @@ def test_a_rod_that_does_not_turn_is_held_by_its_tail() -> None:
     assert found["error_rates"] == pytest.approx(3e-2)
     turned = exact.copy()
     turned[:, 2:4] += 0.1 * t[:, None]
-    assert Measures(job, turned).main == "error_phi"
+    assert Measures(job, turned).default_measure == "error_phi"
     fast = row("a", 0.1, 1.0, 0.0, error_tail=1e-2)
     close = row("a", 0.1, 2.0, 0.0, error_tail=1e-5)
     scene = Scene.from_dict(table)
     trusted = dict.fromkeys(found, 0.0)
-    made = sets.WorkPrecision(scene, [fast, close], {}, trusted, {}, measures.main)
+    made = sets.WorkPrecision(scene, [fast, close], {}, trusted, {}, measures.default_measure)
     assert made.front() == [fast, close]
     assert made.to_dict()["measure"] == "error_tail"

@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 
 import rodgen as package
-from rodgen.analyse import critical, growth
-from rodgen.analyse.family import Family, family_of
+from rodgen.analyse import critical, simulated_critical
+from rodgen.analyse.load_family import LoadFamily, load_family
 from rodgen.errors import AnalysisError
 from rodgen.show.analysis_pictures import stability_curves
 from tests.cli.conftest import LENGTH, Run, Write, one_object
@@ -156,14 +156,16 @@ def test_simulations_are_of_the_speed_and_their_force_may_be_another(
     """What differs is doubted; and the force by eigenvalues outlives a simulation without one."""
     given: list[float] = []
 
-    def half(family: Family, span: float, **_: Any) -> growth.SimulatedCritical:
+    def half(family: LoadFamily, span: float, **_: Any) -> simulated_critical.SimulatedCritical:
         given.append(family.rod.speed)
-        return growth.SimulatedCritical(50.0, 49.0, 51.0, span, None, 9, 1.0, "c", given[-1])
+        return simulated_critical.SimulatedCritical(
+            50.0, 49.0, 51.0, span, None, 9, 1.0, "c", given[-1]
+        )
 
     def nothing(*_: object, **__: object) -> None:
         raise AnalysisError("nothing grows")
 
-    monkeypatch.setattr(critical, "simulated_of", half)
+    monkeypatch.setattr(critical, "simulate_critical", half)
     scene = column(f"{PUSHED}\n{DRAG}", "free")
     command = ("critical", scene, "--speed", 20, "--simulate", 5, "--json")
     done = rodgen(*command)
@@ -176,7 +178,7 @@ def test_simulations_are_of_the_speed_and_their_force_may_be_another(
     (doubted,) = (note for note in found["notes"] if note["kind"] == "doubt")
     assert doubted["figures"]["by_simulations"] == 50.0
     assert doubted["text"] in done.stderr
-    monkeypatch.setattr(critical, "simulated_of", nothing)
+    monkeypatch.setattr(critical, "simulate_critical", nothing)
     done = rodgen(*command)
     assert done.returncode == 3
     assert json.loads(done.stdout)["value"] == alone.value
@@ -188,9 +190,11 @@ def test_simulations_are_of_the_speed_and_their_force_may_be_another(
 def test_picture_shows_where_growth_begins(write: Write) -> None:
     """Strong flutter, from 430 N on, would make a line of what happens at 348 N."""
     scene = package.Scene.from_toml(write(f"{PUSHED}\n{DAMPED}0.5", 20, "free"))
-    found, family = package.critical_load(scene), family_of(scene)
+    found, family = package.critical_load(scene), load_family(scene)
     low, high = stability_curves(found, family).axes[1].get_ylim()
     assert 0.15 < high / (high - low) < 0.85
-    before, after = np.nanmax(family.elastic(found.value * np.array([0.0, 1.1])).real, axis=1)
+    before, after = np.nanmax(
+        family.elastic_eigenvalues(found.value * np.array([0.0, 1.1])).real, axis=1
+    )
     assert low < before < 0
     assert 0 < after < high < 2 * max(after, -before)

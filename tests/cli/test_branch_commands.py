@@ -10,9 +10,9 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from rodgen.analyse.branches import branch_data
+from rodgen.analyse.branches import equilibrium_data
 from rodgen.analyse.branches.equilibrium_branch import continue_equilibria
-from rodgen.analyse.curves import files
+from rodgen.analyse.curves import curve_files
 from rodgen.integrate import simulate
 from rodgen.scene import Scene
 from rodgen.system import System
@@ -50,7 +50,7 @@ def test_branch_as_table_file_and_picture(works: Run, scene: Path) -> None:
     assert any(abs(n / -(np.pi**2) * 4 - 1) < 0.05 for n in numbers(done.stdout))
     folder = Path("results/rod")
     assert {file.name for file in folder.iterdir()} == {"branch_1.nc", "branch_1.png"}
-    data = branch_data.read(folder / "branch_1.nc")
+    data = equilibrium_data.read(folder / "branch_1.nc")
     assert np.abs(data["phi"].values).max() > 1.5
     more = ("--vary", "loads.tip.x", "--bounds", "0,-15", "--step", 0.1, "--json")
     found = works("branch", scene, *more, "--resume", folder / "branch_1.nc")
@@ -66,14 +66,14 @@ def test_a_branch_that_ends_is_kept(rodgen: Run, scene: Path) -> None:
     assert done.returncode == 3
     assert 5 in numbers(done.stderr)
     assert done.stderr.count("\n") == 1
-    assert len(branch_data.read(folder / "branch.nc")["value"]) == 5
+    assert len(equilibrium_data.read(folder / "branch.nc")["value"]) == 5
 
 
 def test_boundary_in_a_file_with_its_picture(works: Run, scene: Path) -> None:
     works("boundary", scene, *BOTH)
     folder = Path("results/rod")
     assert {file.name for file in folder.iterdir()} == {"boundary.nc", "boundary.png"}
-    data = files.read(folder / "boundary.nc", "file", "a boundary", "rodgen boundary 1")
+    data = curve_files.read(folder / "boundary.nc", "file", "a boundary", "rodgen boundary 1")
     assert data.attrs["complete"]
 
 
@@ -126,14 +126,14 @@ def test_ctrl_c_writes_what_was_found(
     assert f"--resume {written}" in done.stderr
     names = {written.name, f"{written.name}.steps"}
     assert {one.name for one in written.parent.iterdir()} == names
-    data = files.read(written, "file", "a curve", f"rodgen {file} 1")
+    data = curve_files.read(written, "file", "a curve", f"rodgen {file} 1")
     assert data.sizes["point"] in numbers(done.stderr)
     assert not data.attrs["complete"]
     works(first, scene, *rest, "--resume", written, "--no-pictures")
     assert [one.name for one in written.parent.iterdir()] == [written.name]
     works(first, scene, *rest, "--out", "whole", "--no-pictures")
     found, whole = (
-        files.read(path, "file", "a curve", f"rodgen {file} 1")
+        curve_files.read(path, "file", "a curve", f"rodgen {file} 1")
         for path in (written, Path(f"whole/rod/{file}.nc"))
     )
     xr.testing.assert_identical(found, whole)
@@ -183,7 +183,7 @@ def test_a_branch_in_a_file_and_a_cycle_of_it(works: Run, flutter: Path, tmp_pat
     works("cycle-branch", flutter, *VARIED, "--start", "run", "--out", out)
     file = out / "rod" / "cycles.nc"
     assert {path.name for path in file.parent.iterdir()} == {file.name, "cycles.png"}
-    branch = files.read(file, "file", "a branch", "rodgen cycles 1")
+    branch = curve_files.read(file, "file", "a branch", "rodgen cycles 1")
     assert branch["value"][[0, -1]].values.tolist() == [18.0, 20.0]
     own = json.loads(works("cycle", flutter, "--json").stdout)
     found = json.loads(works("cycle", flutter, "--from", file, "--json").stdout)

@@ -11,7 +11,7 @@ import pytest
 from typer.testing import CliRunner
 
 from rodgen.cli import app as module
-from rodgen.cli.errors import BAD_INPUT
+from rodgen.cli.error_reports import BAD_INPUT
 from tests.cli.conftest import ROOT, python
 
 Commands = Callable[..., tuple[int, str, str]]
@@ -24,7 +24,7 @@ def commands(monkeypatch: pytest.MonkeyPatch) -> Commands:
     def run(installed: dict[str, str], *arguments: str) -> tuple[int, str, str]:
         entries = [EntryPoint(name, value, module.GROUP) for name, value in installed.items()]
         monkeypatch.setattr(module, "entry_points", lambda group: entries)
-        done = CliRunner().invoke(module.commands(), list(arguments))
+        done = CliRunner().invoke(module.make_app(), list(arguments))
         return done.exit_code, done.stdout, done.stderr
 
     return run
@@ -33,7 +33,7 @@ def commands(monkeypatch: pytest.MonkeyPatch) -> Commands:
 def test_commands_of_other_packages(commands: Commands) -> None:
     """None takes the place of one that is there, and one that cannot be loaded spares the rest."""
     scene = str(ROOT / "scenes" / "becks_column.toml")
-    status, out, _ = commands({"shown": "rodgen.cli.show:show"}, "shown", scene)
+    status, out, _ = commands({"shown": "rodgen.cli.show_command:show"}, "shown", scene)
     assert status == 0
     assert "becks_column" in out
     assert "SCENE" in commands({"run": "no_such_package:run"}, "run", "--help")[1]
@@ -46,14 +46,15 @@ def test_commands_of_other_packages(commands: Commands) -> None:
 
 def test_what_is_not_installed_says_how_to_get_it(commands: Commands) -> None:
     """In the help, where a command is missing, and when it is called."""
-    present = dict.fromkeys(module.EVIDENCE, "rodgen.cli.show:show")
+    present = dict.fromkeys(module.EVIDENCE, "rodgen.cli.show_command:show")
     assert "make " not in commands(present, "--help")[1]
     help_of = commands({}, "--help")[1]
     for name in module.EVIDENCE:
         status, _, err = commands({}, name, "--quick", "scene.toml")
         assert status == BAD_INPUT
-        assert f"make {name}" in err
-        assert f"make {name}" in " ".join(help_of.split())
+        assert name in err
+        assert "make report" in err
+        assert "make report" in " ".join(help_of.split())
 
 
 # An import of one of the packages in the first argument fails as if it were not there.

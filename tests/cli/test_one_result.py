@@ -12,13 +12,13 @@ from typing import Any, NamedTuple
 import pytest
 
 import rodgen
-from rodgen.check.module import check_module
+from rodgen.check.module_check import check_module
 from rodgen.check.proofs import prove
 from rodgen.cli.app import OWN
 from rodgen.loading import load_module
 from rodgen.result import DOUBT
 from rodgen.scene import Scene
-from rodgen.studies.tally import tally
+from rodgen.studies.counts import count_points
 from tests.analyse.rods import COLUMN, FORCE, ONES, THRUST, ZIEGLER, rod
 from tests.cli.conftest import ROOT, Run
 
@@ -52,7 +52,7 @@ def _study() -> Any:
     """The tally of a store, after the Dataset has told of its doubts."""
     path = Path("python.zarr")
     rodgen.study(COLUMN, STUDY["vary"], what="modes", out=path, workers=1, progress=False)
-    return tally(path)
+    return count_points(path)
 
 
 CASES = [

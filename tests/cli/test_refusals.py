@@ -8,7 +8,7 @@ from typing import Any
 
 import pytest
 
-from rodgen.cli.errors import reported
+from rodgen.cli.error_reports import report_errors
 from tests.cli.conftest import ROOT, Run, Write
 
 MISSILE = ROOT / "scenes" / "missile.toml"
@@ -203,7 +203,7 @@ def test_file_that_cannot_be_read_is_named(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     missing = tmp_path / "none" / "file.txt"
-    with pytest.raises(SystemExit) as ended, reported():
+    with pytest.raises(SystemExit) as ended, report_errors():
         missing.read_text(encoding="utf-8")
     assert ended.value.code == 2
     assert str(missing) in capsys.readouterr().err

@@ -41,7 +41,7 @@ def pictures() -> set[str]:
 def _few_pictures(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> None:
     """They take longer than most runs."""
     if "pictures" not in request.fixturenames:
-        monkeypatch.setattr("rodgen.show.pictures.save_pictures", lambda *_: [])
+        monkeypatch.setattr("rodgen.show.run_pictures.save_pictures", lambda *_: [])
 
 
 # What is written -------------------------------------------------------------------------------

@@ -6,14 +6,14 @@ import signal
 
 import pytest
 
-from rodgen.cli.signals import end_as_by_ctrl_c
+from rodgen.cli.signals import treat_signals_as_ctrl_c
 
 
 @pytest.mark.parametrize("name", ["SIGINT", "SIGTERM", "SIGHUP", "SIGQUIT"])
 def test_what_ends_a_program_interrupts_it(name: str) -> None:
     if signal.getsignal(getattr(signal, name)) is signal.SIG_IGN:  # of a test under nohup
         signal.signal(getattr(signal, name), signal.SIG_DFL)
-    end_as_by_ctrl_c()
+    treat_signals_as_ctrl_c()
     with pytest.raises(KeyboardInterrupt):
         signal.raise_signal(getattr(signal, name))
 
@@ -21,6 +21,6 @@ def test_what_ends_a_program_interrupts_it(name: str) -> None:
 def test_what_is_ignored_from_the_start_stays_so() -> None:
     """As under nohup."""
     signal.signal(signal.SIGHUP, signal.SIG_IGN)
-    end_as_by_ctrl_c()
+    treat_signals_as_ctrl_c()
     assert signal.getsignal(signal.SIGHUP) is signal.SIG_IGN
     signal.raise_signal(signal.SIGHUP)

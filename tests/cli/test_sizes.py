@@ -13,7 +13,7 @@ from typing import Any, NamedTuple
 
 import pytest
 
-from rodgen.check.module import check_module
+from rodgen.check.module_check import check_module
 from rodgen.errors import InputError
 from rodgen.scene.structure import MOST_LINKS
 from tests.cli.conftest import Run, Write

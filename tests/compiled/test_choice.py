@@ -6,7 +6,7 @@ import numpy as np
 
 import rodgen
 from rodgen import Scene
-from rodgen.integrate.methods.choose import by_rule, tolerance_doubt
+from rodgen.integrate.methods.method_choice import choose_by_rule, tolerance_doubt
 from rodgen.integrate.stability import Dominant
 from rodgen.system import System
 from tests.compiled.conftest import NO_LOADS
@@ -38,7 +38,7 @@ def test_rule() -> None:
         (-1e6 + 0j, -1.0 + 0j, 1.0, 1e-8, "radau"),
         (-2000 + 0j, 2000 + 0j, 100.0, 1e-8, "dop853"),  # one of the pair grows
     ):
-        choice = by_rule(_dominant(value, partner), span, rtol)
+        choice = choose_by_rule(_dominant(value, partner), span, rtol)
         assert choice.method == method
         assert choice.reason
 

@@ -10,7 +10,7 @@ import pytest
 import rodgen
 from rodgen import Scene
 from rodgen.integrate.crossings import Crossing
-from rodgen.integrate.many import watched_many
+from rodgen.integrate.simulate_many import simulate_rods
 from rodgen.system import System
 from tests.compiled.conftest import NO_LOADS
 
@@ -49,7 +49,7 @@ def test_both_are_found_side_by_side(thrown: Scene, number: str) -> None:
         for direction in ("either", "rising", "falling")
     )
     how = {"method": "rk4", "step": STEP, "span": [0.0, STEP], "output_every": STEP}
-    made = watched_many(model, p, y, crossings=(both, up, down), **how)
+    made = simulate_rods(model, p, y, crossings=(both, up, down), **how)
     assert made.nsteps.tolist() == [1] * len(y)
     due = np.stack((HIGHEST - APART, HIGHEST + APART), axis=1)
     for crossed, times in zip(made.crossed, (due, due[:, :1], due[:, 1:]), strict=True):

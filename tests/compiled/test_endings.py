@@ -87,7 +87,7 @@ def test_step_that_becomes_too_small(missile: Scene, built: ModuleType) -> None:
     for method in ADAPTIVE:
         run = built.Run(method, 0.0, scene.initial_state(), p, 1e-3, 0.0, 0.0)
         assert run.begin(1.0) == built.PAUSED
-        status, _ = run.on(1000, np.empty(0), np.empty((0, len(run.state))))
+        status, _ = run.advance(1000, np.empty(0), np.empty((0, len(run.state))))
         assert status in (-2, -3)  # the step is too small, or Newton's method has no solution
 
 
@@ -111,7 +111,7 @@ def test_states_that_are_no_numbers(missile: Scene, built: ModuleType) -> None:
         run = built.Run(method, 0.0, missile.initial_state(), p, step=1e-3)
         assert run.begin(1.0) == built.PAUSED
         run.state[:] = np.nan
-        status, _ = run.on(10**4, np.zeros(0), np.zeros((0, len(run.state))))
+        status, _ = run.advance(10**4, np.zeros(0), np.zeros((0, len(run.state))))
         assert status == built.NOT_FINITE
 
 

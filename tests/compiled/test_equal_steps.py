@@ -99,14 +99,14 @@ def test_a_step_beside_a_tolerance(bent: Scene) -> None:
         assert told[:2] == (f"integrate.{name}", 1e-5)
     told = refused(bent.with_integrate, rtol=1e-5, step=1e-3)
     assert told[:2] == ("integrate.rtol", 1e-5)
-    assert bent.integrate.fixed
-    assert bent.integrated_by("gauss").integrate.fixed
+    assert bent.integrate.has_fixed_step
+    assert bent.with_method("gauss").integrate.has_fixed_step
     assert bent.with_integrate(rtol=1e-5).integrate.step is None
     for changed in (
         bent.with_integrate(rtol=1e-5),
-        bent.with_integrate(method="auto").integrated_by("gauss"),
+        bent.with_integrate(method="auto").with_method("gauss"),
     ):
-        assert (changed.integrate.method, changed.integrate.fixed) == ("gauss", False)
+        assert (changed.integrate.method, changed.integrate.has_fixed_step) == ("gauss", False)
 
 
 def test_who_is_warned_that_energy_is_not_kept() -> None:

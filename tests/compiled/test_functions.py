@@ -34,16 +34,16 @@ def _at(*arrays: Any) -> list[Any]:
 
 def test_a_pointer_of_ctypes_calls_the_function(rod: Any, p: Any) -> None:
     out = np.empty(4)
-    rod.rhs.compiled.pointer()(0.0, *_at(Y, p, out))
+    rod.rhs.compiled.ctypes_pointer()(0.0, *_at(Y, p, out))
     assert np.array_equal(out, rod.rhs(0.0, Y, p))
     out, many = np.empty((3, 4)), np.stack([Y, 2 * Y, 3 * Y])
     states, parameters, rates = _at(many, p, out)
-    rod.rhs_batch.compiled.pointer()(3, 0.0, states, parameters, 0, rates)
+    rod.rhs_batch.compiled.ctypes_pointer()(3, 0.0, states, parameters, 0, rates)
     assert np.array_equal(out, rod.rhs_batch(0.0, many, p))
 
 
 def test_a_callable_of_scipy(rod: Any) -> None:
-    made = rod.jac.compiled.low_level()
+    made = rod.jac.compiled.low_level_callable()
     assert made.signature == "void (double, double *, double *, double *)"
     address = ctypes.cast(made.function, ctypes.c_void_p).value
     assert address == rod.jac.compiled.address
@@ -60,10 +60,10 @@ def test_functions_say_what_they_are(rod: Any) -> None:
 
 def test_a_pointer_keeps_its_library(p: Any) -> None:
     from rodgen.loading import sources
-    from rodgen.loading.module import load_files
+    from rodgen.loading.generated_module import load_files
 
     made = load_files(sources(STRUCTURE, "c", parts=("rhs",)), whole=False)
-    due, pointer = made.rhs(0.0, Y, p), made.rhs.compiled.pointer()
+    due, pointer = made.rhs(0.0, Y, p), made.rhs.compiled.ctypes_pointer()
     del made
     gc.collect()
     out = np.empty(4)

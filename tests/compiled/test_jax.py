@@ -10,7 +10,7 @@ import pytest
 from mpmath import mpf
 
 import rodgen
-from rodgen.check.by_hand import ByHand
+from rodgen.check.reference_equations import ReferenceEquations
 from rodgen.scene import Scene
 from tests.told import refused
 
@@ -85,7 +85,7 @@ def test_derivatives_by_time_and_parameters() -> None:
     )
     model = rodgen.build(scene, "c")
     f, (y, p) = of_jax.rhs(model), values(model, scene)
-    t, places = 0.3, scene.structure.positions
+    t, places = 0.3, scene.structure.indices
     none = p.copy()
     none[places["a"]] = 0.0
     unit = (f(t, y, p) - f(t, y, none)) / (3.0 * np.sin(5.0 * t))  # rates of a force of 1 N
@@ -121,7 +121,9 @@ def test_gradients_through_diffrax_against_50_digits(model: Any) -> None:
         state, h = np.array(numbers[: len(y)], dtype=object), mpf(end) / steps
         given = dict(zip(SCENE.structure.parameters, numbers[len(y) :], strict=True))
         for _ in range(steps):
-            state = state + h * np.array(ByHand(model, given, state).rhs(), dtype=object)
+            state = state + h * np.array(
+                ReferenceEquations(model, given, state).rhs(), dtype=object
+            )
         return sum(mpf(float(w)) * one for w, one in zip(weights, state, strict=True))
 
     start = [*y, *p]

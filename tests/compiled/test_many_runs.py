@@ -10,12 +10,12 @@ import pytest
 
 import rodgen
 from rodgen import Scene
-from rodgen.integrate import lanes
-from rodgen.integrate.equations import equations_of
+from rodgen.integrate import lane_runs
+from rodgen.integrate.module_facts import facts_of
 from rodgen.integrate.reductions import REDUCTIONS
-from rodgen.native import many
-from rodgen.native.many import LANES
-from rodgen.native.run import METHODS
+from rodgen.native import native_batch
+from rodgen.native.native_batch import LANES
+from rodgen.native.native_run import METHODS
 from rodgen.system import System
 from tests.compiled.conftest import SMOOTH
 from tests.told import refused
@@ -264,7 +264,7 @@ def test_many_runs_of_a_system_are_those_of_its_module(model: ModuleType, smooth
     masses = [1.0, 1.5, 2.0]
     found = rodgen.simulate_many(smooth, {"rod.mass": masses}, keep=["last(tip_x)"])
     p = smooth.parameters | {"mass": masses}
-    settings = System(smooth).with_settings(method="dop853").settings.used
+    settings = System(smooth).with_settings(method="dop853").settings.used_settings
     same = rodgen.simulate_many(model, p, smooth.initial_state(), keep=["last(tip_x)"], **settings)
     np.testing.assert_array_equal(found.values["last(tip_x)"], same.values["last(tip_x)"])
 
@@ -273,6 +273,6 @@ def test_many_runs_of_a_system_are_those_of_its_module(model: ModuleType, smooth
 
 
 def test_every_explicit_method_goes_side_by_side(model: ModuleType) -> None:
-    assert [name for name in METHODS if lanes.explicit(name)] == [*FIXED, "dop853"]
-    assert {*many.KEEPS} == {*REDUCTIONS}
-    assert equations_of(model).lanes.states == len(model.STATE)
+    assert [name for name in METHODS if lane_runs.can_use_lanes(name)] == [*FIXED, "dop853"]
+    assert {*native_batch.KEEPS} == {*REDUCTIONS}
+    assert facts_of(model).lanes.states == len(model.STATE)

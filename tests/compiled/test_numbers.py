@@ -9,7 +9,7 @@ import pytest
 from scipy.interpolate import PchipInterpolator
 
 from rodgen import build
-from rodgen.integrate.files.layout import GIVEN, PARAMETERS, changes_in
+from rodgen.integrate.files.file_layout import GIVEN, PARAMETERS, changes_in
 from rodgen.scene import Scene
 
 TABLE = "[0, 0.1, 0.6, 1], [0, 310, -290, 5]"
@@ -36,7 +36,7 @@ def test_a_table_is_alike_in_both_targets_and_in_the_scene(models: Any) -> None:
     p = c.parameters(**SCENE.parameters)
     y = np.random.default_rng(1).normal(size=len(c.STATE))
     for t in (-0.2, 0.0, 0.05, 0.1, 0.3, 0.6, 0.99, 1.0, 2.0, np.nan):
-        due = [float(e(t)) for e in SCENE.timed.values()]
+        due = [float(e(t)) for e in SCENE.time_laws.values()]
         # SciPy's monotone cubic is what the scene asks; the modules have one of their own.
         found = numpy.forces(t, y, p)["tip_load"][-1]
         np.testing.assert_allclose(found, due, rtol=1e-13, atol=1e-12)
@@ -62,7 +62,7 @@ def test_a_cubic_table_is_that_of_scipy(models: Any, name: str) -> None:
     knots, values = TABLES[name]
     due = PchipInterpolator(knots, values)
     p = c.parameters(**SCENE.parameters)
-    at = SCENE.structure.positions
+    at = SCENE.structure.indices
     for number, (knot, value) in enumerate(zip(knots, values, strict=True), 1):
         p[at[f"tip_force_x_knot_{number}"]] = knot
         p[at[f"tip_force_x_value_{number}"]] = value
@@ -79,7 +79,7 @@ def test_each_rod_of_a_batch_has_numbers_of_its_own(models: Any) -> None:
     draw = np.random.default_rng(2)
     y = draw.normal(size=(19, len(c.STATE)))
     p = np.tile(c.parameters(**SCENE.parameters), (19, 1))
-    for name, at in SCENE.structure.positions.items():
+    for name, at in SCENE.structure.indices.items():
         if "value" in name or name == "P0":
             p[:, at] *= draw.uniform(0.5, 2.0, 19)
     rates = c.rhs_batch(0.3, y, p)
@@ -90,7 +90,7 @@ def test_each_rod_of_a_batch_has_numbers_of_its_own(models: Any) -> None:
 
 def test_changes_of_files_from_before_numbers_were_parameters_are_read(models: Any) -> None:
     structure, whole = SCENE.structure, models[0].parameters(**SCENE.parameters)
-    numbers = [structure.positions[name] for name in structure.numbers]
+    numbers = [structure.indices[name] for name in structure.numbers]
     assert numbers
     before = np.delete(whole, numbers)
     kind = [(PARAMETERS, ">f8", before.shape), (GIVEN, ">f8")]

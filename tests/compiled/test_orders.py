@@ -33,7 +33,7 @@ def _run(model: ModuleType, scene: Scene, method: str, steps: int, atol: float) 
     for k in range(1, steps + 1):
         run.numbers.step = 1.0
         assert run.begin(k / steps) == model.PAUSED
-        assert run.on(10**4, *none)[0] == model.REACHED
+        assert run.advance(10**4, *none)[0] == model.REACHED
     return run
 
 
@@ -74,13 +74,13 @@ def _inside(
         start = 0.0, scene.initial_state(), p
         run = model.Run(method, *start, step=1.0, rtol=1e-13, atol=atol)
         run.begin(h)
-        assert run.on(10, np.zeros(0), np.zeros((0, len(run.state))))[0] == model.REACHED
+        assert run.advance(10, np.zeros(0), np.zeros((0, len(run.state))))[0] == model.REACHED
         assert run.numbers.steps == 1
         due = np.empty((len(SHARES), len(run.state)))
         exact = model.Run("dop853", *start, rtol=1e-13, atol=1e-14)
         exact.begin(h)
-        assert exact.on(1000, SHARES * h, due)[1] == len(SHARES)
-        off = np.abs(run.at(SHARES * h) - due)
+        assert exact.advance(1000, SHARES * h, due)[1] == len(SHARES)
+        off = np.abs(run.state_at(SHARES * h) - due)
         errors.append((off[:, :states].max(), off[:, states:].max()))
     return np.polyfit(np.log(lengths), np.log(errors), 1)[0]
 

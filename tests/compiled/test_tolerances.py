@@ -11,7 +11,7 @@ import pytest
 import rodgen
 from rodgen import Scene
 from rodgen.integrate import Solution
-from rodgen.integrate.stability import limit
+from rodgen.integrate.stability import step_limit
 from rodgen.model.methods import METHODS
 from tests.compiled.conftest import SMOOTH
 
@@ -85,14 +85,14 @@ def test_dop853_knows_the_fastest_motion_that_bounds_its_steps(
     p = model.parameters(**scene.parameters)
     run = model.Run("dop853", 0.0, scene.initial_state(), p, rtol=1e-8, atol=1e-10)
     run.begin(0.1, longest=1e-4)
-    assert run.on(10**4, (), np.empty((0, len(run.state))))[0] == model.REACHED
+    assert run.advance(10**4, (), np.empty((0, len(run.state))))[0] == model.REACHED
     state = run.state[: len(model.STATE)]
     values = np.linalg.eigvals(model.jac(run.numbers.t, state, p))
     fastest = complex(values[np.argmax(np.abs(values))])
     # The last look was up to 32 steps of 1e-4 s before.
     assert run.numbers.modulus == pytest.approx(abs(fastest), rel=0.01)
     # Between the directions of a table it is a straight line.
-    assert run.numbers.most == pytest.approx(limit("dop853", fastest), rel=0.05)
+    assert run.numbers.most == pytest.approx(step_limit("dop853", fastest), rel=0.05)
 
 
 @pytest.mark.parametrize("method", ["dop853", "gauss", "radau"])
@@ -107,7 +107,7 @@ def test_a_tolerance_asks_for_no_more_than_rounding_leaves(
     for rtol in (0.0, 1e-30, least):
         run = model.Run(method, 0.0, y0, p, rtol=rtol, atol=1e-14)
         run.begin(0.01)
-        assert run.on(2000, (), np.empty((0, len(run.state))))[0] == model.REACHED
+        assert run.advance(2000, (), np.empty((0, len(run.state))))[0] == model.REACHED
         ends.append(run.state.copy())
     np.testing.assert_array_equal(ends[0], ends[1])
     # Of an angle below one turn all of its size counts, so that both tolerances are one.
@@ -129,8 +129,8 @@ def test_dop853_keeps_to_what_added_states_allow() -> None:
     p, y0 = model.parameters(**scene.parameters), scene.initial_state()
     run = model.Run("dop853", 0.0, y0, p, rtol=1e-5, atol=1e-7)
     run.begin(1.0)
-    assert run.on(10**4, (), np.empty((0, len(run.state))))[0] == model.REACHED
-    bound = limit("dop853", complex(-1e3))
+    assert run.advance(10**4, (), np.empty((0, len(run.state))))[0] == model.REACHED
+    bound = step_limit("dop853", complex(-1e3))
     # The table of bounds is rounded to a thousandth, and a slope is a difference over 1e-6.
     assert run.numbers.most == pytest.approx(bound, rel=2e-3)
     assert run.numbers.rejected == 0

@@ -9,7 +9,7 @@ import pytest
 
 import rodgen
 from rodgen.integrate.stepper import StepError
-from rodgen.integrate.variations import METHODS, PARTS, Steps, Variations
+from rodgen.integrate.variations import METHODS, PARTS, StepSettings, Variations
 from rodgen.scene import Scene
 
 SPAN, JUMP = 0.4, 0.13
@@ -30,7 +30,7 @@ def _with(
     model = rodgen.build(scene, "c", parts=PARTS)  # which is kept
     p, y = model.parameters(**scene.parameters), scene.initial_state() if y is None else y
     along = np.eye(len(y)) if tangents is None else tangents
-    return Variations(model, p, 0.0, y, along, replace(Steps.of(scene), **steps))
+    return Variations(model, p, 0.0, y, along, replace(StepSettings.of(scene), **steps))
 
 
 def _moved(scene: Scene, at: int, by: float, **steps: object) -> np.ndarray:
@@ -38,7 +38,7 @@ def _moved(scene: Scene, at: int, by: float, **steps: object) -> np.ndarray:
     y = scene.initial_state()
     y[at] += by
     on = _with(scene, y, np.empty((0, len(y))), **steps)
-    on.on(SPAN)
+    on.advance_to(SPAN)
     return on.y
 
 
@@ -49,7 +49,7 @@ def test_tangents_are_derivatives_of_the_steps(scene: Scene, method: str) -> Non
     chosen = method in ("dop853", "radau")
     steps = {"method": method, "step": 0.0 if chosen else 0.0005}
     on, h = _with(scene, **steps), 1e-5
-    assert on.on(SPAN)
+    assert on.advance_to(SPAN)
     for at, tangent in enumerate(on.tangents):
         ends = [_moved(scene, at, by, **steps) for by in (h, -h)]
         off = np.abs((ends[0] - ends[1]) / (2 * h) - tangent).max()
@@ -60,7 +60,7 @@ def test_motion_is_that_of_a_run(scene: Scene) -> None:
     """The tangents have no part in the error control: as many steps, of which one ends where the
     load jumps, and the same state but for the rounding of another order of sums."""
     on = _with(scene)
-    on.on(SPAN)
+    on.advance_to(SPAN)
     sol = rodgen.simulate(scene, target="c", method="dop853")
     assert on.counts[0] == sol.stats.nsteps
     np.testing.assert_allclose(on.y, sol.y[-1], rtol=1e-11, atol=1e-12)
@@ -69,11 +69,11 @@ def test_motion_is_that_of_a_run(scene: Scene) -> None:
 def test_tangents_go_on_from_others(scene: Scene) -> None:
     """Exchanged on the way, they go on as their combinations do: the equations are linear."""
     whole, cut = _with(scene), _with(scene)
-    whole.on(SPAN)
-    assert not cut.on(SPAN, most=5)
+    whole.advance_to(SPAN)
+    assert not cut.advance_to(SPAN, most=5)
     q, r = np.linalg.qr(cut.tangents.T)
     cut.tangents = q.T
-    assert cut.on(SPAN)
+    assert cut.advance_to(SPAN)
     np.testing.assert_array_equal(cut.y, whole.y)
     size = np.abs(whole.tangents).max()
     np.testing.assert_allclose(r.T @ cut.tangents, whole.tangents, atol=1e-12 * size)
@@ -85,10 +85,10 @@ def test_steps_of_scipy_agree(scene: Scene) -> None:
     here = _with(scene)
     model = rodgen.build(scene, "numpy")
     there = Variations.of(scene, model=model)
-    assert not there.on(0.2, most=3)
+    assert not there.advance_to(0.2, most=3)
     there.tangents = there.tangents
     for on in (here, there):
-        on.on(SPAN)
+        on.advance_to(SPAN)
     np.testing.assert_allclose(there.y, here.y, atol=1e-9)
     size = np.abs(here.tangents).max()
     np.testing.assert_allclose(there.tangents, here.tangents, atol=1e-6 * size)
@@ -98,7 +98,7 @@ def test_what_cannot_go_on_says_when(scene: Scene) -> None:
     on = _with(scene)
     on.tangents = np.full_like(on.tangents, 1e308)
     with pytest.raises(StepError, match=r"t = \d"):
-        on.on(SPAN)
+        on.advance_to(SPAN)
 
 
 def test_directions_are_as_long_as_the_state(scene: Scene) -> None:

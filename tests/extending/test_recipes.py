@@ -44,7 +44,7 @@ def follow(recipe: str, tree: Path) -> list[str]:
 SCENE = """
 import numpy as np
 from rodgen import Scene, Structure, build, simulate
-from rodgen.check.module import LIMIT, check_module
+from rodgen.check.module_check import LIMIT, check_module
 from rodgen.check.proofs import prove
 def scene(boundary="pinned", links=2, loads=None, **integrate):
     return Scene.from_dict({
@@ -60,8 +60,8 @@ RECIPES = {
     "A method": (
         ["src/rodgen/model/methods/heun.py"],
         """
-from rodgen.integrate.stability import limit
-assert abs(limit("heun", -1.0 + 0j) - 2.0) < 1e-6  # 1 + z + z^2/2 is 1 at z = -2
+from rodgen.integrate.stability import step_limit
+assert abs(step_limit("heun", -1.0 + 0j) - 2.0) < 1e-6  # 1 + z + z^2/2 is 1 at z = -2
 exact = simulate(scene(), method="dop853", rtol=1e-12, atol=1e-14).y
 errors = []
 for step in (0.002, 0.001):
@@ -123,7 +123,7 @@ assert abs(natural_modes(one).frequencies[0] / rate - 1) < 1e-10
 """,
     ),
     "A quantity": (
-        ["src/rodgen/model/quantities.py", "src/rodgen/integrate/catalogue.py"],
+        ["src/rodgen/model/quantities.py", "src/rodgen/integrate/quantity_formulas.py"],
         """
 event = {"name": "bent", "quantity": "chord", "value": 0.995, "action": "stop"}
 toy = Scene.from_dict(scene().model_dump(exclude_none=True) | {"events": [event]})
@@ -139,7 +139,7 @@ assert abs(np.cos(np.diff(sol.y[-1, :2])[0] / 2) - 0.995) < 1e-9  # rounding of 
     "A target": (
         ["src/rodgen/emit/lists/__init__.py", "templates/lists/module.jinja"],
         """
-from rodgen.check.module import LIMIT, check_module
+from rodgen.check.module_check import LIMIT, check_module
 loads = ("follower", "gravity", "internal_damping", "external_damping", "tip_load")
 for links, boundary, inertia, terms in (
     (1, "free", "uniform", loads),

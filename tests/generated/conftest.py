@@ -14,7 +14,7 @@ import mpmath
 import numpy as np
 import pytest
 
-from rodgen.check.module import DIGITS, _parameters, assembled
+from rodgen.check.module_check import DIGITS, _draw_parameters, assemble
 from rodgen.loading import build, companions, sources
 from rodgen.scene.structure import Structure
 from tests.palette import covering, short
@@ -86,14 +86,14 @@ class Point:
     def __init__(self, module: ModuleType, seed: int = 1):
         self.draw = np.random.default_rng(seed)
         self.module, self.t = module, 0.375
-        self.values = _parameters(module, self.t, self.draw)
+        self.values = _draw_parameters(module, self.t, self.draw)
         self.p = module.parameters(**self.values)
         self.y = np.round(2.0 * self.draw.standard_normal(len(module.STATE)) * 2**20) / 2**20
 
     def exact_rhs(self, y: np.ndarray) -> list[Any]:
         """Rates by the closed form in 50 digits."""
         with mpmath.workdps(DIGITS):
-            return assembled(self.module, self.values, self.t, y).rhs()
+            return assemble(self.module, self.values, self.t, y).rhs()
 
     def exact_change(self, v: np.ndarray) -> np.ndarray:
         """Derivative of the rates along v, of whole numbers: central differences in 50 digits; with

@@ -168,9 +168,9 @@ def test_samples_and_traces_that_are_too_small_are_refused(
     times = np.array([0.001, 0.002, 0.003])
     for samples, trace, name in SMALL_ROOM:
         with pytest.raises(ValueError, match=rf"^{name}\b"):
-            run.on(10, times, np.zeros(samples), None if trace is None else np.zeros(trace))
+            run.advance(10, times, np.zeros(samples), None if trace is None else np.zeros(trace))
         assert run.numbers.steps == 0
-    status, taken = run.on(10, times, np.zeros((4, 17)), np.zeros((11, 29)))
+    status, taken = run.advance(10, times, np.zeros((4, 17)), np.zeros((11, 29)))
     assert (status, taken) == (rod.FULL, 3)
 
 
@@ -181,9 +181,9 @@ def test_samples_that_cannot_be_written_are_refused(rod: ModuleType, y: Array, p
     others: list[object] = [samples.astype("f4"), np.broadcast_to(samples, samples.shape)]
     for other in (*others, np.zeros((6, 17))[::2], samples.tolist()):
         with pytest.raises(ValueError, match=r"^samples\b"):
-            run.on(1, times, other)
+            run.advance(1, times, other)
     with pytest.raises(ValueError, match=r"^times\b"):
-        run.on(1, times[None], samples)
+        run.advance(1, times[None], samples)
 
 
 # Changes of a run that could be: of its method, times, step and tolerances.
@@ -215,7 +215,7 @@ def test_runs_that_cannot_be_are_refused(rod: ModuleType, y: Array, p: Array) ->
         for name, value in change.items():
             setattr(run.numbers, name, value)
         before = run.memory.copy()
-        go = partial(run.on, 10, *nothing) if begun else partial(run.begin, run.numbers.end)
+        go = partial(run.advance, 10, *nothing) if begun else partial(run.begin, run.numbers.end)
         (*_, (name, value)) = ({"end": 1.0} | change).items()
         said = "end = " if name == "method" else rf"\b{name} = {value}"
         with pytest.raises(ValueError, match=said):
@@ -226,7 +226,7 @@ def test_runs_that_cannot_be_are_refused(rod: ModuleType, y: Array, p: Array) ->
 def test_run_that_was_not_begun_is_refused(rod: ModuleType, y: Array, p: Array) -> None:
     run = rod.Run("dop853", 0.0, y, p)
     with pytest.raises(ValueError, match="end = "):
-        run.on(10, np.empty(0), np.empty((0, 17)))
+        run.advance(10, np.empty(0), np.empty((0, 17)))
     with pytest.raises(ValueError, match=r"^method .*'rk5'"):
         rod.Run("rk5", 0.0, y, p)
 

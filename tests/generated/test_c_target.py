@@ -12,12 +12,12 @@ from types import ModuleType
 import numpy as np
 import pytest
 
-from rodgen.check.module import _drawn, check_module
-from rodgen.emit.targets import closed, offered
-from rodgen.loading.module import asked
+from rodgen.check.module_check import _draw, check_module
+from rodgen.emit.targets import available_parts, required_parts
+from rodgen.loading.generated_module import call_module
 from rodgen.model.rod import BOUNDARIES, INERTIAS
 from rodgen.model.terms import TERMS
-from rodgen.native.many import LANES, Lanes
+from rodgen.native.native_batch import LANES, Lanes
 from rodgen.scene.structure import Structure
 from tests.generated.conftest import Built
 from tests.palette import (
@@ -42,11 +42,11 @@ Array = np.ndarray
 # forces that are cut into segments.
 OTHERS = (
     Structure(3, "free", "uniform", ENDS, LAWS, states=STATES, tables=TABLES),
-    Structure(12, "free", "uniform", ALONG, uneven=("stiffness", "bodies")),
-    Structure(12, "free", "lumped", ENDS, uneven=("points",)),
+    Structure(12, "free", "uniform", ALONG, nonuniform=("stiffness", "bodies")),
+    Structure(12, "free", "lumped", ENDS, nonuniform=("points",)),
     Structure(12, "free", "uniform", (*ENDS, "drag"), LAWS, states=STATES, tables=TABLES),
-    Structure(12, "clamped", "uniform", ENDS, uneven=("bodies",)),
-    Structure(12, "cantilever", "uniform", ALONG, uneven=("stiffness", "mass")),
+    Structure(12, "clamped", "uniform", ENDS, nonuniform=("bodies",)),
+    Structure(12, "cantilever", "uniform", ALONG, nonuniform=("stiffness", "mass")),
     Structure(3, "cantilever", "lumped", ENDS, LAWS, states=STATES, tables=TABLES),
 )
 # Masses in time, and a body, with which the first coupling is made in the loop that eliminates it.
@@ -87,7 +87,7 @@ def test_targets_agree(built: Built, structure: Structure, request: pytest.Fixtu
     if structure in LONG:
         request.getfixturevalue("flags_of_users")
     numpy, compiled = built(structure), built(structure, "c")
-    values, y = _drawn(numpy, 0.375, np.random.default_rng(7), 2.0, 2.0)
+    values, y = _draw(numpy, 0.375, np.random.default_rng(7), 2.0, 2.0)
     p = numpy.parameters(**values)
     for function, digits in (("rhs", 1e-10), ("jac", 1e-9)):
         one, two = (getattr(module, function)(0.375, y, p) for module in (compiled, numpy))
@@ -132,7 +132,7 @@ def test_directions_and_states_that_have_no_tangents(built: Built, point: type) 
 def test_batch_is_row_by_row(built: Built, structure: Structure) -> None:
     """With no row, one, and around whole blocks of eight; with p for all and for each."""
     rod, draw = built(structure, "c"), np.random.default_rng(1)
-    pairs = [_drawn(rod, 0.3, draw, 1.0, 1.0) for _ in range(21)]
+    pairs = [_draw(rod, 0.3, draw, 1.0, 1.0) for _ in range(21)]
     states = np.array([y for _, y in pairs])
     every = np.array([rod.parameters(**values) for values, _ in pairs])
     for count, shared in product((0, 1, 7, 8, 9, 21), (True, False)):
@@ -230,7 +230,7 @@ def test_each_rod_is_what_it_is_by_itself(built: Built, structure: Structure) ->
     y = rng.normal(size=(LANES, len(model.STATE)))
     p = rng.uniform(0.5, 1.5, size=(LANES, len(model.PARAMETERS)))
     for name, rows in structure.tables:
-        first = structure.positions[name]
+        first = structure.indices[name]
         p[:, first : first + rows].sort(axis=1)
     t = rng.uniform(0.1, 0.6, size=LANES)
     rates = call(lanes, "flow", t, y, p, lanes.states + len(lanes.works))
@@ -242,8 +242,8 @@ def test_each_rod_is_what_it_is_by_itself(built: Built, structure: Structure) ->
         # Of two orders of the same operations, through systems of condition 1e3 at most.
         scale = np.abs(expected).max()
         np.testing.assert_allclose(rates[rod], expected, rtol=0, atol=1e-12 * scale)
-        kinetic, spring, gravity = map(float, asked(model, "energy", at, of, by))
-        x, height = asked(model, "centre_of_gravity", at, of, by)
+        kinetic, spring, gravity = map(float, call_module(model, "energy", at, of, by))
+        x, height = call_module(model, "centre_of_gravity", at, of, by)
         joints, moments = model.joints(of, by), model.bending_moments(of, by)
         known = {"kinetic_energy": kinetic, "spring_energy": spring, "gravity_energy": gravity}
         known |= {"centre_of_gravity_x": x, "centre_of_gravity_y": height}
@@ -257,6 +257,6 @@ def test_each_rod_is_what_it_is_by_itself(built: Built, structure: Structure) ->
 
 
 def test_nobody_has_it_who_does_not_ask() -> None:
-    assert "lanes" in offered("c")
-    assert "lanes" not in closed("c")
-    assert "lanes" not in closed("c", steps=True)
+    assert "lanes" in available_parts("c")
+    assert "lanes" not in required_parts("c")
+    assert "lanes" not in required_parts("c", steps=True)

@@ -14,7 +14,7 @@ from pathlib import Path
 import pytest
 
 from rodgen.model.terms import TERMS
-from rodgen.native.run import FILES
+from rodgen.native.native_run import FILES
 from rodgen.scene.structure import Structure
 from tests.generated.conftest import Whole, Written, ran, write
 from tests.palette import SMALL, TEXTS, short

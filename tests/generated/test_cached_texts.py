@@ -106,7 +106,7 @@ def test_nothing_planted_runs(
     """A module that another user has put into the cache, in place of the one that is asked for; as
     the user's own it does run."""
     flag = tmp_path / "flag"
-    with cache.noted() as entries:
+    with cache.record_texts() as entries:
         sources(PINNED, target, parts=("rhs",))
     ((entry, text),) = entries.items()
     planted = f"import pathlib\npathlib.Path({str(flag)!r}).touch()\n"
@@ -130,7 +130,7 @@ def test_nothing_planted_runs(
 
 @pytest.mark.parametrize("text", ["[1]", "1", "null", "{", "", "[" * 10**5])
 def test_entries_that_are_no_texts_are_made_again(text: str, root: Path) -> None:
-    with cache.noted() as entries:
+    with cache.record_texts() as entries:
         made = sources(PINNED, "numpy", parts=("rhs",))
     (entry,) = entries
     cache.store_text(text, *entry)

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from sympy import Rational, symbols
 
-from rodgen.check.module import LIMIT, _parameters, check_module
+from rodgen.check.module_check import LIMIT, _draw_parameters, check_module
 from rodgen.emit.printer import NUMPY, Printer
 from rodgen.emit.targets import FORMS
 from rodgen.loading import load_text
@@ -77,7 +77,7 @@ def test_module_of_one_load_is_right_and_holds_only_that(
     for one in TERMS.values():
         for parameter in one.parameters:
             assert (parameter.name in names) == (one.name == term), parameter
-    assert ("clamp_angle" in names) == BOUNDARIES[boundary].clamped
+    assert ("clamp_angle" in names) == BOUNDARIES[boundary].is_clamped
     assert ("vx0" in names) == (boundary == "free")
     assert ("drag_x" in names) == (term == "external_damping")
     functions = {f.name: f for f in tree.body if isinstance(f, ast.FunctionDef)}
@@ -155,7 +155,7 @@ def test_forms_agree_however_long_the_chain(built: Built, boundary: str, inertia
     structure = Structure(links, boundary, inertia, ENDS)
     chain, dense = built(structure), built(structure, "numpy", "dense")
     draw = np.random.default_rng(links)
-    p = chain.parameters(**_parameters(chain, 0.0, draw))
+    p = chain.parameters(**_draw_parameters(chain, 0.0, draw))
     y = draw.standard_normal(len(chain.STATE))
     one, two = chain.rhs(0.0, y, p), dense.rhs(0.0, y, p)
     # The condition of M grows as n^3, to 5e8 at n = 1000; the dense form loses that many digits.

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 import rodgen
-from rodgen.check.module import _drawn, check_module
+from rodgen.check.module_check import _draw, check_module
 from rodgen.derive.proofs import comparisons
 from rodgen.emit.targets import FORMS
 from rodgen.model.rod import BOUNDARIES, INERTIAS
@@ -23,11 +23,11 @@ from tests.palette import (
     ALONG,
     ENDS,
     LAWS,
+    NONUNIFORM,
     PLACED,
     STATES,
     TABLES,
     TIMED,
-    UNEVEN,
     can_move,
     carries,
     cases,
@@ -86,7 +86,7 @@ def test_force_that_is_no_number_is_seen_in_the_rates(
 
 
 @pytest.mark.parametrize(
-    ("boundary", "inertia", "links", "form", "uneven"),
+    ("boundary", "inertia", "links", "form", "nonuniform"),
     [
         ("clamped", "uniform", 4, "chain", ("stiffness", "bodies")),
         pytest.param("free", "lumped", 5, "dense", ("points",), marks=pytest.mark.slow),
@@ -96,17 +96,17 @@ def test_force_that_is_no_number_is_seen_in_the_rates(
     ],
 )
 def test_module_with_feedback_equals_fifty_digit_arithmetic(
-    built: Built, boundary: str, inertia: str, links: int, form: str, uneven: tuple[str, ...]
+    built: Built, boundary: str, inertia: str, links: int, form: str, nonuniform: tuple[str, ...]
 ) -> None:
     terms = ALL if links == 2 else ENDS
-    structure = Structure(links, boundary, inertia, terms, LAWS, uneven, STATES, tables=TABLES)
+    structure = Structure(links, boundary, inertia, terms, LAWS, nonuniform, STATES, tables=TABLES)
     assert _exact(built(structure, "numpy", form))
 
 
 def test_signals_are_what_laws_follow(built: Built) -> None:
     """Along leading axes, and by two routes: positions of the joints, and differences of them."""
     module = built(Structure(4, "free", "uniform", ENDS, LAWS, states=STATES, tables=TABLES))
-    values, y = _drawn(module, 0.3, np.random.default_rng(1), 0.5, 0.5)
+    values, y = _draw(module, 0.3, np.random.default_rng(1), 0.5, 0.5)
     p, h = module.parameters(**values), 1e-6
     moved = y + h * np.concatenate((y[6:12], np.zeros(8)))
     found = module.signals(0.3, np.stack((y, moved)), p)
@@ -167,18 +167,18 @@ def test_work_of_a_force_on_the_first_link_of_a_free_rod(make_scene: Callable[..
 
 
 @rarely(
-    "boundary, links, inertia, form, terms, uneven",
-    *(BOUNDARIES, (1, 2, 5), INERTIAS, FORMS, (ENDS, ALONG), UNEVEN),
+    "boundary, links, inertia, form, terms, nonuniform",
+    *(BOUNDARIES, (1, 2, 5), INERTIAS, FORMS, (ENDS, ALONG), NONUNIFORM),
     where=carries,
 )
-def test_module_of_an_uneven_rod_equals_fifty_digit_arithmetic(
+def test_module_of_a_nonuniform_rod_equals_fifty_digit_arithmetic(
     built: Built,
     boundary: str,
     links: int,
     inertia: str,
     form: str,
     terms: tuple[str, ...],
-    uneven: tuple[str, ...],
+    nonuniform: tuple[str, ...],
 ) -> None:
-    structure = Structure(links, boundary, inertia, terms, (), uneven)
+    structure = Structure(links, boundary, inertia, terms, (), nonuniform)
     assert _exact(built(structure, "numpy", form))

@@ -7,7 +7,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from rodgen.check.module import check_module
+from rodgen.check.module_check import check_module
 from rodgen.loading import load_module
 from tests.generated.conftest import Built
 from tests.reference import GENERATED, MODULES, ROOT

@@ -61,7 +61,7 @@ def test_what_is_not_finite_is_seen_in_the_rates(
     rod, half = at.module, len(at.y) // 2
     # Joints and links that never move have no use for what acts on them.
     still = range({"free": 0, "cantilever": 2}.get(rod.BOUNDARY, 1))
-    rows = [one for one in structure.rows if one.several]
+    rows = [one for one in structure.rows if one.is_array]
     held = [f"{one.name}_{s}" for one in rows if one.each == JOINTS for s in still]
     held += [f"{one.name}_0" for one in rows if one.each == LINKS and rod.BOUNDARY == "cantilever"]
 

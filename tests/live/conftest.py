@@ -18,11 +18,11 @@ from urllib.parse import urlsplit
 
 import pytest
 
-from rodgen.emit.targets import STEPS, closed
-from rodgen.integrate.pull import with_place
-from rodgen.live.run import critical
-from rodgen.live.run.aside import Aside
+from rodgen.emit.targets import STEPS, required_parts
+from rodgen.integrate.pull import with_idle_support
+from rodgen.live.run import critical_search
 from rodgen.live.run.live_run import LiveRun
+from rodgen.live.run.worker_process import WorkerProcess
 from rodgen.loading import build_fastest
 from rodgen.scene import Scene, Structure
 from tests.live.runs import prepared
@@ -99,7 +99,7 @@ def clock() -> Clock:
 @pytest.fixture(autouse=True)
 def _nobody_aside(monkeypatch: pytest.MonkeyPatch) -> None:
     """Runs have no critical force computed beside them, but where a test is of that."""
-    monkeypatch.setattr(critical, "ASIDE", Mock(spec=Aside))
+    monkeypatch.setattr(critical_search, "ASIDE", Mock(spec=WorkerProcess))
 
 
 @pytest.fixture
@@ -174,13 +174,13 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
 def make(structure: Structure) -> None:
     """Have a module in the cache, as a page has it made: on a busy machine that may take longer
     than anything is waited for."""
-    build_fastest(structure, (*closed("c"), *STEPS))
+    build_fastest(structure, (*required_parts("c"), *STEPS))
 
 
 @pytest.fixture(scope="session")
 def server(folder: Path) -> Iterator[Server]:
     """The rod, for all tests of a worker; each has a run of its own."""
-    for structure in (SCENE.structure, with_place(SCENE).structure):
+    for structure in (SCENE.structure, with_idle_support(SCENE).structure):
         make(structure)
     served = start(folder / "dart.toml")
     yield served

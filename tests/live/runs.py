@@ -11,9 +11,9 @@ import numpy as np
 
 import rodgen
 from rodgen.arrays import Array
-from rodgen.live.catalogue import Catalogue
+from rodgen.live.plot_quantities import Catalogue
 from rodgen.live.run.live_run import LiveRun
-from rodgen.live.samples import Chunk
+from rodgen.live.sample_store import Chunk
 from rodgen.scene import Scene
 from tests.live.view import until
 
@@ -34,12 +34,12 @@ def decoded(message: bytes) -> tuple[dict[str, Any], dict[str, np.ndarray]]:
 
 def does(run: LiveRun, *works: Callable[[], Any]) -> Any:
     """Each in the run's own thread, in turn; what comes of the last."""
-    return [run.do(work).result() for work in works][-1]
+    return [run.submit(work).result() for work in works][-1]
 
 
 def to(run: LiveRun, t: float) -> None:
     """Samples up to a time, without a clock."""
-    run.do(lambda: run._took(run.live.advance(t, 60.0))).result()
+    run.submit(lambda: run._record(run.live.advance(t, 60.0))).result()
 
 
 def prepared(scene: Scene) -> tuple[Catalogue, Callable[..., Chunk]]:

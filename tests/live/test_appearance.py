@@ -15,12 +15,12 @@ import numpy as np
 import pytest
 
 from rodgen.live.page.elements import ICONS, LIBRARY
-from rodgen.live.page.lean import icon_font
-from rodgen.model.palette import DARK, LIGHT, pair, shades
+from rodgen.live.page.nicegui_assets import icon_font
+from rodgen.model.palette import DARK, LIGHT, colours_of, series_pair
 from rodgen.model.term import DAMPER
 from rodgen.model.terms import ROWS
 from rodgen.scene import Scene
-from rodgen.show.precision_pictures import OURS, own
+from rodgen.show.precision_pictures import OURS, own_style
 from tests.live.conftest import SCENES, WIDE, make
 from tests.live.view import View, expect
 
@@ -214,9 +214,9 @@ def lab(rgb: Any) -> Any:
 @pytest.mark.parametrize("palette", [LIGHT, DARK], ids=["light", "dark"])
 def test_colours_can_be_seen_and_told_apart(palette: Any) -> None:
     """Of curves, and of trails; by all eyes, and on their ground."""
-    ground = XYZ[1] @ linear(shades("background", palette)[0])
+    ground = XYZ[1] @ linear(colours_of("background", palette)[0])
     for names in (("series",), ("tail", "centre")):
-        colours = [colour for name in names for colour in shades(name, palette)]
+        colours = [colour for name in names for colour in colours_of(name, palette)]
         for eyes in EYES:
             seen = [lab(eyes @ linear(colour)) for colour in colours]
             for (first, a), (second, b) in combinations(zip(colours, seen, strict=True), 2):
@@ -230,7 +230,7 @@ def test_loads_methods_and_grounds_have_colours_of_their_own() -> None:
     """Arrows are of the series, so what holds of that holds of them; dampings have none."""
     drawn = [term.colours for term in ROWS if term.kind != DAMPER]
     assert len(set(drawn)) == len(drawn)
-    assert set(drawn) <= {pair(number) for number in range(1, 9)}
-    assert len({own(method) for method in OURS}) == len(OURS)
+    assert set(drawn) <= {series_pair(number) for number in range(1, 9)}
+    assert len({own_style(method) for method in OURS}) == len(OURS)
     assert LIGHT.keys() == DARK.keys()
-    assert len(shades("series")) == len(shades("series", DARK)) == 8
+    assert len(colours_of("series")) == len(colours_of("series", DARK)) == 8

@@ -10,10 +10,10 @@ import pytest
 
 from rodgen.arrays import Array
 from rodgen.errors import InputError
-from rodgen.integrate.catalogue import Piece
-from rodgen.live.catalogue import KINDS, Catalogue
-from rodgen.live.samples import Chunk
-from rodgen.model.quantities import watched
+from rodgen.integrate.quantity_formulas import MotionSlice
+from rodgen.live.plot_quantities import KINDS, Catalogue
+from rodgen.live.sample_store import Chunk
+from rodgen.model.quantities import watchable_names
 from rodgen.model.rod import BOUNDARIES
 from rodgen.model.terms import TERMS, THESIS_TERMS
 from rodgen.scene import Scene
@@ -70,7 +70,7 @@ def test_supports_are_offered_where_they_are(make_scene: Make) -> None:
     every = [f"support_force_{link}_{axis}" for axis in "xy" for link in (1, 4)]
     assert offered == [*every, "support_moment_1", "support_moment_4"]
     assert not [kind for kind in catalogue.along if kind.startswith("support")]
-    motion = Piece(catalogue.model, chunk.p, chunk.y)
+    motion = MotionSlice(catalogue.model, chunk.p, chunk.y)
     force, moment = motion.values("support_force"), motion.values("support_moment")
     expected = [force[:, link, axis] for axis in (0, 1) for link in (1, 4)]
     expected += [moment[:, link] for link in (1, 4)]
@@ -88,7 +88,11 @@ def test_quantities_that_depend_on_how_a_rod_is_held(make_scene: Make, boundary:
     quantities, kinds = catalogue.quantities, catalogue.kinds
     # Zero without gravity, and not offered.
     light = set() if "gravity" in HELD[boundary][1] else {"gravity_energy"}
-    every = {name.format(at) for name, numbers in watched(scene.hold, n) for at in numbers}
+    every = {
+        name.format(at)
+        for name, numbers in watchable_names(scene.boundary_condition, n)
+        for at in numbers
+    }
     assert every | set(catalogue.model.STATE) <= set(quantities) | light
     assert not light & set(quantities)
     for name, quantity in quantities.items():

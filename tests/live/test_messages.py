@@ -13,10 +13,10 @@ import rodgen.live
 from rodgen.integrate.live import Live
 from rodgen.live.page import elements
 from rodgen.live.run import page_state
-from rodgen.live.run.marks import Marks
+from rodgen.live.run.change_marks import ChangeMarks
 from rodgen.live.run.message import LONGEST_TRAIL, Trail, rod_arrays
 from rodgen.live.run.page_state import AHEAD, PageState
-from rodgen.live.samples import Chunk, Store
+from rodgen.live.sample_store import Chunk, SampleStore
 from rodgen.loading import build_fastest
 from rodgen.model.terms import TERMS, THESIS_TERMS
 from rodgen.scene import Scene
@@ -31,7 +31,7 @@ class Stepped:
         self.model, self.status = build_fastest(scene), "running"
         self.live = Live(scene, self.model, scene.integrate.output_every)
         self.plots: dict[str, Any] = {}
-        self.marks, self.past, self.ghost, self.keeps = Marks(), None, None, False
+        self.marks, self.past, self.ghost, self.keeps = ChangeMarks(), None, None, False
         self.begun, self.goes_round = 0, False
         self.page = PageState()
         self.begin()
@@ -39,24 +39,24 @@ class Stepped:
     def begin(self) -> None:
         live = self.live
         live.restart()
-        self.store = Store(live.states, live.works, live.energy_start)
-        self.store.change(live.p, 0.0)
-        self.page.restarted(self.plots)
+        self.store = SampleStore(live.states, live.works, live.energy_start)
+        self.store.set_parameters(live.p, 0.0)
+        self.page.reset_run(self.plots)
         self.to(0.0)
 
     def to(self, t: float) -> None:
         """Samples up to a time."""
         chunk = self.store.add(self.live.advance(t, 60.0))
-        self.seen = chunk.last()
-        self.page.fed(self.plots, chunk)
+        self.page_sample = chunk.last()
+        self.page.add_samples(self.plots, chunk)
 
-    def present(self) -> None:
+    def run_status(self) -> None:
         """What texts are made of."""
 
 
 @pytest.fixture
 def run(monkeypatch: pytest.MonkeyPatch) -> Stepped:
-    monkeypatch.setattr(page_state, "texts", lambda *_: {})
+    monkeypatch.setattr(page_state, "row_texts", lambda *_: {})
     return Stepped(Scene.from_dict(ROD))
 
 
@@ -67,7 +67,7 @@ def while_made(monkeypatch: pytest.MonkeyPatch, does: Callable[[], None]) -> Non
         does()
         return {}
 
-    monkeypatch.setattr(page_state, "texts", meanwhile)
+    monkeypatch.setattr(page_state, "row_texts", meanwhile)
 
 
 # Pages that come and go ------------------------------------------------------------------------
@@ -85,12 +85,12 @@ def test_page_comes_while_the_message_of_another_is_made(
     run.page.show(run)
     while_made(monkeypatch, lambda: run.page.detach(first.append))
     run.page.show(run)
-    assert run.page.watched
+    assert run.page.has_page
     assert [*decoded(second[-1])[1]].count("trail!") == 1
-    run.page.touched()  # so that the next one has texts, too
+    run.page.invalidate()  # so that the next one has texts, too
     while_made(monkeypatch, lambda: run.page.detach(second.append))
     run.page.show(run)
-    assert not run.page.watched
+    assert not run.page.has_page
     counts = len(first), len(second)
     run.to(0.2)
     run.page.show(run)
@@ -140,19 +140,19 @@ def test_every_sample_since_the_last_message_is_in_the_trail(run: Stepped) -> No
 @pytest.mark.parametrize("changing", [False, True])
 def test_trail_of_a_page_that_does_not_answer_stays_short(run: Stepped, changing: bool) -> None:
     """Whether parameters are the same all the time, or others for every sample."""
-    chunk, trail, count = run.seen, Trail(), 2 * LONGEST_TRAIL
-    trail.take(run.model, run.store)
+    chunk, trail, count = run.page_sample, Trail(), 2 * LONGEST_TRAIL
+    trail.pop(run.model, run.store)
     for x in range(count):
         y = chunk.y.copy()
         y[:, 0] = x  # joint 0, and everything with it
         p = chunk.p.copy() if changing else chunk.p
-        trail.follow(Chunk(chunk.t, y, chunk.work, chunk.works, p))
-    places = trail.take(run.model, run.store)
+        trail.add(Chunk(chunk.t, y, chunk.work, chunk.works, p))
+    places = trail.pop(run.model, run.store)
     steps = np.diff(places[:, 0])
     assert LONGEST_TRAIL / 3 < len(places) <= LONGEST_TRAIL
     assert steps.min() > 0
     assert np.ptp(places[:, 0]) > 0.9 * count
-    assert not len(trail.take(run.model, run.store))
+    assert not len(trail.pop(run.model, run.store))
 
 
 # The rod, and the form of messages -------------------------------------------------------------

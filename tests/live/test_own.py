@@ -7,11 +7,11 @@ import pytest
 
 import rodgen
 from rodgen.errors import InputError
-from rodgen.live.catalogue import MOST_OWN, Catalogue
-from rodgen.live.own import LONGEST
-from rodgen.live.page.names import which
+from rodgen.live.page.quantity_field import which
+from rodgen.live.plot_quantities import MOST_OWN, Catalogue
 from rodgen.live.run.plot_spec import PlotSpec, transfer
-from rodgen.live.samples import Chunk
+from rodgen.live.sample_store import Chunk
+from rodgen.live.user_expression import LONGEST
 from rodgen.loading import build_fastest
 from rodgen.scene import Scene
 from tests.live.conftest import SCENE, SHORT

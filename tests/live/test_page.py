@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 import rodgen
-from rodgen.analyse.modes_about import modes_about
+from rodgen.analyse.frozen_modes import frozen_modes
 from rodgen.live.run.link import Link
 from rodgen.live.run.live_run import LiveRun
 from rodgen.scene import Scene, Structure
@@ -176,7 +176,7 @@ def test_rod_is_pulled_by_the_pointer_and_kicked_by_the_keyboard(view: View, run
     view.shows("work_pull", np.dot(force, force) / (2 * stiffness), near=1e-3)
     view.page.mouse.up()
     view.sees("live.pull.length === 0")
-    run.do(lambda: run.kick(3, 0.25, (4.0, 2.0))).result()
+    run.submit(lambda: run.kick(3, 0.25, (4.0, 2.0))).result()
     view.button("Kick").focus()
     view.page.keyboard.press("Enter")
     dialog = view.page.get_by_role("dialog")
@@ -215,7 +215,7 @@ def test_modes_are_those_about_the_present_state(view: View) -> None:
 
     def hertz(y: Any) -> Any:
         model = rodgen.build(SCENE, "numpy")
-        return modes_about(model, 0.0, y, model.parameters(**SCENE.parameters), 4).frequencies
+        return frozen_modes(model, 0.0, y, model.parameters(**SCENE.parameters), 4).frequencies
 
     first = hertz(SCENE.initial_state())
     # The number, and four digits of its frequency.

@@ -12,7 +12,7 @@ import pytest
 
 from rodgen.errors import InputError
 from rodgen.integrate.pull import Pull
-from rodgen.live.page.runs import PageRun
+from rodgen.live.page.page_run import PageRun
 from rodgen.live.run import live_run, pulling
 from rodgen.live.run.live_run import LiveRun
 from rodgen.loading import build
@@ -62,7 +62,7 @@ def test_edits_close_together_are_both_kept(page: PageRun) -> None:
     free = threading.Event()
 
     async def both() -> None:
-        busy = page.run.do(free.wait)
+        busy = page.run.submit(free.wait)
         edits = asyncio.gather(
             page.change({MASS: 25.0}, "mass = 25"), page.change({GRAVITY: 1.5}, "g = 1.5")
         )
@@ -127,10 +127,10 @@ def test_kick_and_pull_are_undone(page: PageRun, other: LiveRun) -> None:
     finished(page.change({MASS: 4.0}, "rod.mass = 4"))
     to(run, 0.2)
     before = run.shown
-    run.do(lambda: run.kick(2, 0.5, (3.0, 1.0))).result()
+    run.submit(lambda: run.kick(2, 0.5, (3.0, 1.0))).result()
     to(run, 0.3)
     finished(page.allow_pulls())
-    run.do(lambda: run.pull(Pull(3, 0.25, (1.3, 0.4), 60.0, 1.5))).result()
+    run.submit(lambda: run.pull(Pull(3, 0.25, (1.3, 0.4), 60.0, 1.5))).result()
     to(run, 0.4)
     finished(page.change({GRAVITY: 1.5}, "loads.gravity.g = 1.5"))
     finished(page.undo())
@@ -148,8 +148,8 @@ def test_kick_and_pull_are_undone(page: PageRun, other: LiveRun) -> None:
     to(other, 0.4)
     # Its method began anew at 0.2 s, at rtol 1e-8.
     np.testing.assert_allclose(run.shown.y, other.shown.y, rtol=1e-6, atol=1e-6)
-    assert run.undo.next(forth=True) is not None  # the change of gravity, but no kick
+    assert run.undo.next_state(forth=True) is not None  # the change of gravity, but no kick
     finished(page.undo())
     assert page.scene.rod.mass == 3.0
     does(run, lambda: run.kick(2, 0.5, (3.0, 1.0)), run.restart)
-    assert run.undo.next(forth=False) is None  # of another run
+    assert run.undo.next_state(forth=False) is None  # of another run

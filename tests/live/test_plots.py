@@ -10,10 +10,10 @@ import numpy as np
 import pytest
 
 from rodgen.arrays import Array
-from rodgen.live.catalogue import Catalogue
-from rodgen.live.run.curves import MOST_ROWS
+from rodgen.live.plot_quantities import Catalogue
 from rodgen.live.run.plot import Plot, PlotSpec
-from rodgen.live.samples import Chunk
+from rodgen.live.run.sample_curves import MOST_ROWS
+from rodgen.live.sample_store import Chunk
 from rodgen.model.terms import THESIS_TERMS
 from rodgen.scene import Scene
 from tests.live.runs import prepared
@@ -32,7 +32,7 @@ def turning(chunk: Callable[..., Chunk], t: Array, rate: float) -> Chunk:
 def cut(whole: Chunk, *at: int) -> Iterator[Chunk]:
     """A chunk cut into several."""
     for first, last in zip((0, *at), (*at, len(whole)), strict=True):
-        yield whole.some(slice(first, last))
+        yield whole.select(slice(first, last))
 
 
 def plot(catalogue: Catalogue, **choice: Any) -> Plot:
@@ -139,10 +139,10 @@ def test_a_profile_goes_along_the_rod(make_scene: Make) -> None:
     assert joints.feed(state) is None
     share = np.linspace(0, 1, 5)
     for made, shown, expected in (
-        (joints, state.some(slice(1)), [share, 2.0 * share * np.cos(0.3)]),
+        (joints, state.select(slice(1)), [share, 2.0 * share * np.cos(0.3)]),
         (angles, state, [[0.125, 0.375, 0.625, 0.875], [0, 1, 2, 3]]),  # of the last sample
     ):
-        found = made.present(shown)
+        found = made.current_rows(shown)
         assert found is not None
         np.testing.assert_allclose(found.T, expected, atol=1e-15)
 
@@ -192,7 +192,7 @@ def test_sections_of_samples_where_the_answer_is_known(bar: Any) -> None:
 
 
 def test_chunks_of_any_length_give_the_same_section(bar: Any) -> None:
-    """Of uneven samples, and to a plot that is added later."""
+    """Of nonuniform samples, and to a plot that is added later."""
     catalogue, chunk = bar
     whole = turning(chunk, np.cumsum(np.random.default_rng(3).uniform(0.02, 0.06, 800)), 1.3)
     at_once = fed(plot(catalogue, **RISES), cut(whole))
@@ -272,5 +272,5 @@ def test_energies_that_a_scene_lacks_are_no_lines_at_zero(make_scene: Make) -> N
         ({}, True, every),
     ):
         p = catalogue.model.parameters(**{**scene.parameters, **values})
-        assert catalogue.settle(0.0, p) == differ
+        assert catalogue.update_zero_energies(0.0, p) == differ
         assert [name.split("_")[0] for name in catalogue.expand("energy")] == energies

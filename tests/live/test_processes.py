@@ -17,15 +17,15 @@ import pytest
 
 import rodgen
 from rodgen.errors import InputError
-from rodgen.live.page import module_process
-from rodgen.live.page.module_process import Modules
-from rodgen.live.page.sweep_picture import HEIGHT, WIDTH, Diagram, Point, picture
-from rodgen.live.run import critical
-from rodgen.live.run.aside import Answer, Aside, Errand
-from rodgen.live.run.aside_process import WORKS, Works
-from rodgen.live.run.critical import COMPUTING, Critical
+from rodgen.live.page import module_builder
+from rodgen.live.page.module_builder import ModuleBuilder
+from rodgen.live.page.sweep_picture import HEIGHT, WIDTH, Diagram, SweepPoint, diagrams_svg
+from rodgen.live.run import critical_search
+from rodgen.live.run.critical_search import COMPUTING, CriticalSearch
 from rodgen.live.run.live_run import LiveRun
-from rodgen.live.run.sweep import sweep
+from rodgen.live.run.sweep_computation import sweep
+from rodgen.live.run.worker_main import WORKS, RequestQueue
+from rodgen.live.run.worker_process import Answer, PendingRequest, WorkerProcess
 from rodgen.scene import Scene, Structure
 from rodgen.system import System
 from tests.live.conftest import ROD, SCENE, SCENES, SHORT, finished, runs, varied
@@ -37,7 +37,7 @@ FREE = Scene.from_dict({**ROD, "loads": {}})
 def test_answers_refusals_and_defects_are_told_and_nothing_of_what_is_dropped(run: LiveRun) -> None:
     """In the process itself: requests are answered a part at a time, by turns."""
     told: list[tuple[int, dict[str, Any]]] = []
-    works = Works(lambda number, **answer: told.append((number, answer)))
+    works = RequestQueue(lambda number, **answer: told.append((number, answer)))
     state = {"t": 0.0, "y": run.shown.y[-1].tolist(), "p": run.shown.p.tolist()}
     for number, what, scene, more in (
         (1, "modes", SCENE, state),
@@ -46,10 +46,10 @@ def test_answers_refusals_and_defects_are_told_and_nothing_of_what_is_dropped(ru
         (4, "modes", SCENE, state),
     ):
         table = json.loads(json.dumps(scene.model_dump(exclude_none=True)))
-        works.take({"number": number, "what": what, "scene": table, "more": more})
-    works.take({"number": 4})
+        works.accept({"number": number, "what": what, "scene": table, "more": more})
+    works.accept({"number": 4})
     while len(works):
-        works.go_on()
+        works.advance()
     (modes,) = WORKS["modes"](SCENE, **state)
     assert told[0] == (1, {"value": modes, "last": False})
     assert sorted(number for number, _ in told) == [1, 1, 2, 3]
@@ -71,19 +71,19 @@ class Told(queue.Queue[Answer]):
 
 @pytest.mark.slow
 def test_process_answers_what_is_not_dropped_and_is_started_again_where_it_died() -> None:
-    aside, dropped, told = Aside(), Told(), Told()
+    aside, dropped, told = WorkerProcess(), Told(), Told()
     try:
-        for errand in [aside.ask("critical", SCENE, dropped.put) for _ in range(50)]:
-            errand.drop()
-        aside.ask("critical", SCENE, told.put)
+        for errand in [aside.submit("critical", SCENE, dropped.put) for _ in range(50)]:
+            errand.cancel()
+        aside.submit("critical", SCENE, told.put)
         wanted = [Answer(rodgen.critical_load(SCENE).value), Answer(last=True)]
         assert told.all() == wanted
         assert dropped.empty()
-        aside.ask("critical", SCENE, told.put)
+        aside.submit("critical", SCENE, told.put)
         assert aside._process is not None
         aside._process.send_signal(signal.SIGKILL)
         assert told.all()[-1].refused
-        aside.ask("critical", SCENE, told.put)
+        aside.submit("critical", SCENE, told.put)
         assert told.all() == wanted
     finally:
         aside.close()
@@ -96,15 +96,15 @@ def test_force_of_a_scene_that_changes_is_asked_for_once(
     it waited for."""
     asked: list[tuple[float, Any]] = []
     done: list[float] = []
-    aside = Mock(spec=Aside)
-    aside.ask = lambda _, scene, told: (
-        asked.append((scene.loads.follower.force, told)) or Errand(aside, len(asked))
+    aside = Mock(spec=WorkerProcess)
+    aside.submit = lambda _, scene, told: (
+        asked.append((scene.loads.follower.force, told)) or PendingRequest(aside, len(asked))
     )
-    monkeypatch.setattr(critical, "ASIDE", aside)
-    one = Critical(lambda work: work(), lambda: done.append(one.value), clock)
+    monkeypatch.setattr(critical_search, "ASIDE", aside)
+    one = CriticalSearch(lambda work: work(), lambda: done.append(one.value), clock)
 
     def look(force: float) -> None:
-        one.look(System(Scene.from_dict({**ROD, "loads": {"follower": {"force": force}}})))
+        one.restart(System(Scene.from_dict({**ROD, "loads": {"follower": {"force": force}}})))
 
     for force in (1.0, 2.0, 3.0):
         look(force)
@@ -116,7 +116,7 @@ def test_force_of_a_scene_that_changes_is_asked_for_once(
         one.tick()
     assert [force for force, _ in asked] == [3.0]
     look(4.0)
-    aside.drop.assert_called_once_with(1)
+    aside.cancel.assert_called_once_with(1)
     asked[0][1](Answer(30.0))
     assert (one.value, done) == (COMPUTING, [])
     clock.now += 1.0
@@ -160,15 +160,15 @@ def test_rods_of_very_many_links_are_not_swept() -> None:
 
 
 def test_picture_shows_what_is_stable_and_where_that_ends() -> None:
-    points = [Point(0.0, -1.0, True), Point(1.0, 0.5, False), Point(2.0, 3.0, False)]
+    points = [SweepPoint(0.0, -1.0, True), SweepPoint(1.0, 0.5, False), SweepPoint(2.0, 3.0, False)]
     one = Diagram("growth", 0.0, 2.0, points)
-    svg = ElementTree.fromstring(picture([one], "sweep of P", 0.5, 0.7, []))
+    svg = ElementTree.fromstring(diagrams_svg([one], "sweep of P", 0.5, 0.7, []))
     drawn = {line.get("class"): line.get("points") for line in svg.iter("polyline")}
     assert drawn.keys() == {"stable", "unstable"}
     assert "0.7" in [text.text for text in svg.iter("text")]
     assert {"present", "critical"} <= {path.get("class") for path in svg.iter("path")}
     for point in points:
-        x, y = one.at(point)
+        x, y = one.position(point)
         assert 0 <= x <= WIDTH
         assert 0 <= y <= HEIGHT
         assert one.nearest(x + 1.0, y - 40.0) == point
@@ -203,7 +203,7 @@ def test_cancelled_making_ends_its_compiler(
 
     async def cancelled() -> None:
         stages: list[str] = []
-        task = asyncio.create_task(Modules().make(Structure(2, terms=()), stages.append))
+        task = asyncio.create_task(ModuleBuilder().build(Structure(2, terms=()), stages.append))
         await come(lambda: any(map(runs, started())))
         assert stages
         task.cancel()
@@ -214,10 +214,10 @@ def test_cancelled_making_ends_its_compiler(
     before = started()
     assert before
     assert not any(map(runs, before))
-    modules = Modules()
+    modules = ModuleBuilder()
     modules.close()
     with pytest.raises(InputError, match="module"):
-        finished(modules.make(Structure(2, terms=()), quiet))
+        finished(modules.build(Structure(2, terms=()), quiet))
     assert started() == before
 
 
@@ -230,8 +230,8 @@ def test_two_at_a_time_and_none_of_too_many_links(monkeypatch: pytest.MonkeyPatc
         await asyncio.Event().wait()
 
     async def three() -> None:
-        modules = Modules()
-        tasks = [asyncio.create_task(modules.make(Structure(n), quiet)) for n in (2, 3, 4)]
+        modules = ModuleBuilder()
+        tasks = [asyncio.create_task(modules.build(Structure(n), quiet)) for n in (2, 3, 4)]
         await come(lambda: len(begun) == 2)
         for _ in range(10):  # nothing else is to be done
             await asyncio.sleep(0)
@@ -242,7 +242,7 @@ def test_two_at_a_time_and_none_of_too_many_links(monkeypatch: pytest.MonkeyPatc
             task.cancel()
         await asyncio.gather(*tasks, return_exceptions=True)
 
-    monkeypatch.setattr(module_process, "_make", endless)
+    monkeypatch.setattr(module_builder, "_build", endless)
     finished(three())
     with pytest.raises(InputError, match="2000"):
-        finished(Modules().make(Structure(2001), quiet))
+        finished(ModuleBuilder().build(Structure(2001), quiet))

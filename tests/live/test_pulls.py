@@ -11,12 +11,12 @@ import numpy as np
 import pytest
 
 from rodgen.integrate.live import Live
-from rodgen.integrate.pull import Pull, pulled, with_place
-from rodgen.live.page.pulls import usual
-from rodgen.live.run.link import follow, link_to
+from rodgen.integrate.pull import Pull, with_idle_support, with_pull
+from rodgen.live.page.pulls import usual_spring
+from rodgen.live.run.link import apply_link, make_link
 from rodgen.live.run.live_run import LiveRun
 from rodgen.loading import build
-from rodgen.loading.module import asked
+from rodgen.loading.generated_module import call_module
 from rodgen.scene import Scene, Structure
 from rodgen.system import System
 from tests.live.conftest import ROD, varied
@@ -52,7 +52,7 @@ def test_work_of_the_hand_is_what_the_energy_lacks(settings: Any, error: float) 
     live = Live(scene(**settings), module(scene().structure), 0.01)
     live.advance(0.05, np.inf)
     before = live.here()
-    live.allow_pulls(module(with_place(live.system).structure))
+    live.allow_pulls(module(with_idle_support(live.system).structure))
     np.testing.assert_array_equal(live.here().y, before.y)
     by_hand, ends = 0.0, [None, *((1.3 + 0.1 * k, 0.4 + 0.05 * k) for k in range(5)), None]
     for start, to in zip(ends, [*ends[1:], None], strict=True):
@@ -68,7 +68,7 @@ def test_work_of_the_hand_is_what_the_energy_lacks(settings: Any, error: float) 
     assert works["pull"] == pytest.approx(by_hand, abs=1e-9)
     assert works["supports"] < 0  # the damper
     with np.errstate(all="ignore"):
-        energy = sum(asked(live.model, "energy", here.t[-1], here.y[-1], live.p))
+        energy = sum(call_module(live.model, "energy", here.t[-1], here.y[-1], live.p))
     lacking = energy - sum(works.values()) - live.given - live.energy_start
     assert abs(lacking) < error
     assert abs(lacking + 2 * works["pull"]) > 0.5  # as it would be with the other sign
@@ -85,7 +85,7 @@ def run(monkeypatch: pytest.MonkeyPatch) -> Any:
 
 def pulls(run: LiveRun) -> None:
     """Step, and pull to two places."""
-    does(run, partial(run.allow_pulls, with_place(run.live.system).structure), run.one_step)
+    does(run, partial(run.allow_pulls, with_idle_support(run.live.system).structure), run.one_step)
     does(run, lambda: run.pull(PULL), run.one_step, lambda: run.move_pull((1.5, 0.6)))
     until(lambda: run.live.pulling and run.live.pulling.to, (1.5, 0.6), "not moved")
     does(run, run.one_step)
@@ -95,13 +95,13 @@ def test_pull_is_on_the_record_and_in_a_link_to_it(run: LiveRun) -> None:
     """The rod of the link is not pulled, and its module has no place for that: the balance is the
     same."""
     pulls(run)
-    link = does(run, lambda: link_to(run, ""))
+    link = does(run, lambda: make_link(run, ""))
     other = LiveRun(link.scene)
-    does(other, lambda: follow(other, link))
+    does(other, lambda: apply_link(other, link))
     here, there = (one.catalogue.columns(["energy_balance"], one.shown)[-1] for one in (run, other))
     other.close()
     assert there == pytest.approx(here, abs=1e-9)
-    does(run, run.let_go, run.one_step)
+    does(run, run.release_pull, run.one_step)
     assert len(run.marks.every) == 2  # it begins and ends; that it is moved between is no mark
     kept = does(run, lambda: list(run.store.chunks())[-1])
     shown = run.catalogue.columns(["work_pull", "work_supports"], kept)
@@ -117,7 +117,7 @@ def test_pull_is_on_the_record_and_in_a_link_to_it(run: LiveRun) -> None:
 def test_first_spring_suits_a_rod_along_which_the_stiffness_differs() -> None:
     """As for an even one, of its mean."""
     one, several = (
-        usual(Scene.from_dict(varied(boundary="clamped", bending_stiffness=k)))
+        usual_spring(Scene.from_dict(varied(boundary="clamped", bending_stiffness=k)))
         for k in (500.0, [800.0, 400.0, 500.0, 500.0, 600.0, 200.0])
     )
     assert one == several
@@ -127,8 +127,8 @@ def test_what_cannot_be_pulled_is_refused() -> None:
     table = varied(boundary="clamped", links=4)
     held = System(Scene.from_dict({**table, "supports": [{"at": 0.625, "stiffness": [1.0, 0.0]}]}))
     allowed = {"link": 1, "share": 0.5, "to": (1.0, 0.0), "stiffness": 2.0, "damping": 0.0}
-    assert len(pulled(held, Pull(**allowed)).scene.supports) == 2
-    ended = with_place(Scene.from_dict(varied(boundary="cantilever", links=4)))
+    assert len(with_pull(held, Pull(**allowed)).scene.supports) == 2
+    ended = with_idle_support(Scene.from_dict(varied(boundary="cantilever", links=4)))
     for one, changed, field in (
         (held, {"link": 4}, "link"),
         (held, {"link": 2, "share": 0.75}, "link"),  # a support is at 0.5 of it
@@ -138,4 +138,4 @@ def test_what_cannot_be_pulled_is_refused() -> None:
         (held, {"damping": np.inf}, "damping"),
         (ended, {"link": 0}, "link"),
     ):
-        assert refused(pulled, one, Pull(**allowed | changed)).field == f"pull.{field}"
+        assert refused(with_pull, one, Pull(**allowed | changed)).field == f"pull.{field}"

@@ -66,11 +66,11 @@ def test_changes_and_kicks_of_a_live_run_are_in_its_solution(run: LiveRun) -> No
     """The energy that they gave, and what held when; both are marked."""
     to(run, 0.2)
     changes = {"rod.mass": 4.0, "loads.gravity.g": 1.0}
-    run.do(lambda: run.change(run.live.system.at(changes), "change")).result()
+    run.submit(lambda: run.change(run.live.system.at(changes), "change")).result()
     to(run, 0.3)
-    run.do(lambda: run.kick(1, 0.25, (0.5, 2.0))).result()
+    run.submit(lambda: run.kick(1, 0.25, (0.5, 2.0))).result()
     to(run, 0.4)
-    sol = run.do(run.solution).result()
+    sol = run.submit(run.solution).result()
     assert sol.energy_error < 1e-6  # rtol 1e-8 of some 100 J
     weight = np.where(sol.t <= 0.2, 3.0 * 9.81, 4.0 * 1.0)
     np.testing.assert_allclose(sol.energy.gravity, weight * sol.centre_of_gravity[:, 1], atol=1e-9)

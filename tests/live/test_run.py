@@ -12,7 +12,7 @@ from rodgen.errors import InputError
 from rodgen.integrate.live import FOR_LOOKING
 from rodgen.live.run.live_run import PAUSED, RUNNING, STOPPED, LiveRun
 from rodgen.live.run.page_state import AHEAD
-from rodgen.live.run.worker import Pace
+from rodgen.live.run.run_thread import Pace
 from rodgen.scene import Scene
 from tests.live.conftest import SCENE
 from tests.live.runs import Page, does, gets, to
@@ -28,7 +28,7 @@ def test_run_goes_round_until_somebody_changes_it(run: LiveRun) -> None:
     """It begins again where the span of its scene is over, goes on beyond that once kicked, and
     stands once it is paused."""
     assert run.status == PAUSED
-    does(run, lambda: run.take(SCENE.replace({"integrate.span": [0.0, 0.05]})), run.go_round)
+    does(run, lambda: run.switch_to(SCENE.replace({"integrate.span": [0.0, 0.05]})), run.loop)
     until(lambda: run.begun, lambda count: count > 3, "it does not begin again")
     assert run.status == RUNNING
     does(run, lambda: run.kick(0, 0.5, (0.1, 0.0)))
@@ -45,17 +45,17 @@ def test_blow_up_stops_and_a_change_mends(run: LiveRun) -> None:
     """But a state beyond use is lost: it takes a reset."""
     told: list[str] = []
     run.told = lambda: told.append(run.status)
-    does(run, lambda: run.failed("a defect"))
-    assert (run.status, run.lost, told) == (STOPPED, False, [STOPPED])
+    does(run, lambda: run.report_failure("a defect"))
+    assert (run.status, run.is_unusable, told) == (STOPPED, False, [STOPPED])
     wild = SCENE.replace({"integrate.method": "euler", "integrate.step": 0.2})
-    does(run, lambda: run.set_speed(np.inf), lambda: run.change(wild), run.go)
+    does(run, lambda: run.set_speed(np.inf), lambda: run.change(wild), run.resume)
     until(lambda: run.status, STOPPED, "it goes on")
-    assert (run.lost, told[-1]) == (True, STOPPED)
+    assert (run.is_unusable, told[-1]) == (True, STOPPED)
     does(run, lambda: run.change(SCENE), lambda: run.kick(0, 0.5, (1.0, 0.0)))
     assert run.status == STOPPED
     does(run, run.restart)
-    assert not run.lost
-    does(run, lambda: run.change(SCENE), run.go)
+    assert not run.is_unusable
+    does(run, lambda: run.change(SCENE), run.resume)
     past(run, 0.2)
     assert run.status == RUNNING
 
@@ -90,14 +90,14 @@ def test_step_for_a_method_is_half_its_limit(run: LiveRun) -> None:
         does(run, partial(run.change, damped))
         roots = np.linalg.eigvals(run.model.jac(0.0, damped.initial_state(), run.live.p))
         fastest = roots[np.argmax(np.abs(roots))]
-        step = run.do(partial(run.live.step_for, method)).result()
+        step = run.submit(partial(run.live.step_for, method)).result()
         assert step == pytest.approx(half(fastest), rel=6e-3), method  # three digits
 
 
 class Missed(Pace):
     """Says that real time is missed."""
 
-    missed = True
+    is_too_slow = True
 
 
 def test_tolerance_for_looking_is_taken_where_real_time_is_missed(run: LiveRun) -> None:
@@ -108,19 +108,19 @@ def test_tolerance_for_looking_is_taken_where_real_time_is_missed(run: LiveRun) 
         settings = run.live.settings
         return settings.method, settings.rtol, settings.atol
 
-    does(run, run.go_round, lambda: run.roughen(True))
+    does(run, run.loop, lambda: run.roughen(True))
     assert used() == ("gauss", 1e-5, 1e-8)
     does(run, lambda: run.roughen(False))
     run.strict, run.pace = False, Missed()
-    does(run, run.go_round)
+    does(run, run.loop)
     until(lambda: run.live.rough, len(FOR_LOOKING), "it is not taken")
     does(run, lambda: None)  # the frame is over
     assert run.goes_round
     assert used() == ("radau", 1e-3, 1e-6)
-    assert run.present().settings == run.live.settings
+    assert run.run_status().settings == run.live.settings
     assert run.live.scene == SCENE
     past(run, 0.1)
-    assert "radau at rtol 0.001" in run.do(run.solution).result().message
+    assert "radau at rtol 0.001" in run.submit(run.solution).result().message
     does(run, lambda: run.roughen(False))
     past(run, float(run.shown.t[-1]) + 0.1)
     assert not run.live.rough
@@ -164,7 +164,7 @@ def test_rows_of_plots_that_are_gone_are_not_kept(run: LiveRun) -> None:
         for _ in range(4):
             does(run, lambda: run.add_plot({"kind": "time", "y": ["phi"]}))
         to(run, 10.0 * (k + 1))
-        does(run, lambda: run.take(SCENE))
+        does(run, lambda: run.switch_to(SCENE))
         assert set(run.page._rows) <= set(run.plots)
     waiting = sum(part.size for parts in run.page._rows.values() for part in parts)
     assert waiting < len(run.plots) * 2**18 + 2**16

@@ -10,10 +10,10 @@ import pytest
 
 from rodgen.arrays import Array
 from rodgen.integrate.live import Samples
-from rodgen.live import samples
-from rodgen.live.run.curves import ROWS, Window, spectrum
+from rodgen.live import sample_store
 from rodgen.live.run.plot import Plot, PlotSpec
-from rodgen.live.samples import MOST, Store
+from rodgen.live.run.sample_curves import ROWS, Window, spectrum
+from rodgen.live.sample_store import MOST, SampleStore
 
 FEW = 500  # samples that are kept at most, in place of MOST
 
@@ -24,11 +24,11 @@ def _samples(first: int, last: int) -> Samples:
     return Samples(t, np.repeat(t[:, None], 4, axis=1), t[:, None] * 10)
 
 
-def filled(*parts: tuple[int, int, float, float]) -> Store:
+def filled(*parts: tuple[int, int, float, float]) -> SampleStore:
     """Samples from ... to, with a parameter and an energy that was given."""
-    store = Store(4, ("follower",), start=3.0)
+    store = SampleStore(4, ("follower",), start=3.0)
     for first, last, p, given in parts:
-        store.change(np.array([p]), given)
+        store.set_parameters(np.array([p]), given)
         store.add(_samples(first, last))
     return store
 
@@ -37,7 +37,7 @@ def filled(*parts: tuple[int, int, float, float]) -> Store:
 def test_full_store_keeps_evenly_spread_samples_from_start_to_end(
     monkeypatch: pytest.MonkeyPatch, at_once: int
 ) -> None:
-    monkeypatch.setattr(samples, "MOST", FEW)
+    monkeypatch.setattr(sample_store, "MOST", FEW)
     store, total = filled((0, 0, 1.0, 0.0)), 5 * FEW + 3
     for first in range(0, total, at_once):
         store.add(_samples(first, min(first + at_once, total)))
@@ -50,7 +50,7 @@ def test_full_store_keeps_evenly_spread_samples_from_start_to_end(
 
 def test_changes_without_end_cost_no_memory(monkeypatch: pytest.MonkeyPatch) -> None:
     """A slider that is dragged for hours: what no sample needs is forgotten."""
-    monkeypatch.setattr(samples, "MOST", FEW)
+    monkeypatch.setattr(sample_store, "MOST", FEW)
     store = filled(*((k, k + 1, float(k), 0.0) for k in range(3 * FEW)))
     assert len(store._epochs) <= FEW + 1
     assert all(chunk.p[0] == chunk.t[0] for chunk in store.chunks())
@@ -62,14 +62,14 @@ def test_few_of_many_parameters_that_change_cost_little() -> None:
     many, count = 4000, 500
     p = np.arange(float(many))
     tracemalloc.start()
-    store = Store(4, ("follower",), start=0.0)
+    store = SampleStore(4, ("follower",), start=0.0)
     for k in range(count):
         p[[7, 3000]] = k, -k
-        store.change(p, 0.0)
+        store.set_parameters(p, 0.0)
         store.add(_samples(k, k + 1))
     held, _ = tracemalloc.get_traced_memory()
     tracemalloc.stop()
-    store.change(-p, 0.5)
+    store.set_parameters(-p, 0.5)
     store.add(_samples(count, count + 1))
     assert held < 0.1 * 8 * many * count
     *moved, last = store.chunks()
@@ -80,15 +80,15 @@ def test_few_of_many_parameters_that_change_cost_little() -> None:
 
 def test_what_comes_after_a_time_is_dropped() -> None:
     store = filled(*((10 * k, 10 * k + 10, float(k), 0.0) for k in range(3)))
-    last = store.back_to(14.5)
+    last = store.truncate(14.5)
     assert (last.t.tolist(), last.p.tolist(), last.start) == ([14.0], [1.0], 3.0)
     assert (last.y[0, 3], last.work[0, 0]) == (14.0, 140.0)
-    store.change(np.array([5.0]), 0.0)
+    store.set_parameters(np.array([5.0]), 0.0)
     store.add(_samples(30, 32))
     found = [(chunk.t.tolist(), chunk.p[0]) for chunk in store.chunks()]
     times = [list(range(10)), list(range(10, 15)), [30, 31]]
     assert found == list(zip(times, (0.0, 1.0, 5.0), strict=True))
-    assert store.back_to(-1.0).t == [0.0]  # something is always shown
+    assert store.truncate(-1.0).t == [0.0]  # something is always shown
 
 
 def test_sample_is_found_by_its_time_and_by_its_neighbours() -> None:
@@ -99,10 +99,10 @@ def test_sample_is_found_by_its_time_and_by_its_neighbours() -> None:
         *((3.4, 0, 3), (3.6, 0, 4), (3.6, -1, 3), (-5, 0, 0), (99, 0, 14)),
         *((2.0, -7, 0), (13.0, 7, 14)),
     ):
-        near = store.near(t, by)
+        near = store.nearest(t, by)
         assert near.t.tolist() == [found]
         assert near.y[0, 3] == found
-    assert (store.near(9.2).p[0], store.near(9.2, 1).p[0]) == (1.0, 2.0)
+    assert (store.nearest(9.2).p[0], store.nearest(9.2, 1).p[0]) == (1.0, 2.0)
 
 
 # Between two lines, a sixteenth of a bin away, Hann's window loses 1 - sinc(1/16) / (1 - 1/16^2).
@@ -177,9 +177,9 @@ def test_a_plot_of_a_spectrum_is_made_at_most_four_times_a_second(bar: Any, cloc
     phi = np.where(t < 4, tone(t, 4.0, 8.0), tone(t, 10.0, 3.0))
     whole, drawn = chunk(t, np.stack((phi, np.zeros(800)), axis=1)), []
     for first in range(0, 800, 2):  # 0.02 s each
-        part = whole.some(slice(first, first + 2))
+        part = whole.select(slice(first, first + 2))
         assert plot.feed(part) is None
-        rows = plot.present(part)
+        rows = plot.current_rows(part)
         if rows is not None:
             drawn.append((clock.now, peak(rows)))
         clock.now += 0.02

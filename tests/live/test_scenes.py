@@ -15,22 +15,22 @@ import pytest
 
 import rodgen
 from rodgen.errors import InputError
-from rodgen.live.page.pulls import usual
+from rodgen.live.page.pulls import usual_spring
 from rodgen.live.page.sketch import HIGH, WIDE, joints_at_start, sketch
-from rodgen.live.run.link import Link, State, follow, link_to
+from rodgen.live.run.link import Link, RunSample, apply_link, make_link
 from rodgen.live.run.live_run import LiveRun
-from rodgen.live.run.scenes import (
+from rodgen.live.run.scene_edits import (
     LARGEST,
-    Folder,
-    Form,
+    SceneFolder,
+    StructureForm,
     fields_of,
-    form_of,
-    from_toml_text,
+    initial_labels,
     reshape,
-    scale_of,
-    starts_of,
+    scene_from_bytes,
+    slider_scale,
+    structure_form,
 )
-from rodgen.loading.ahead import dump, parse
+from rodgen.loading.build_process import dump, parse
 from rodgen.model.rod import BOUNDARIES
 from rodgen.model.terms import TERMS
 from rodgen.scene import Scene
@@ -58,7 +58,7 @@ def test_folder_gives_its_own_scenes_alone(tmp_path: Path) -> None:
     (tmp_path / "outside.toml").write_text(good)
     (inside / "link.toml").symlink_to(tmp_path / "outside.toml")
     (inside / "folder.toml").mkdir()
-    folder = Folder(inside)
+    folder = SceneFolder(inside)
     assert folder.names() == ["good"]
     assert folder.scene("good").name == "missile"
     for name in ("link", "folder", "../outside", "/etc/passwd", "good.toml", "", "*"):
@@ -91,7 +91,7 @@ def test_every_number_of_a_scene_has_a_field() -> None:
     for scene in (Scene.from_dict(table), rocket):
         modelled = scene.model_dump(exclude_none=True, exclude={"name", "initial", "integrate"})
         fields = {field.key for field in fields_of(scene)}
-        starts = {*starts_of(scene)}
+        starts = {*initial_labels(scene)}
         names = {f"bodies.{k}.name" for k in range(len(scene.bodies))}
         chosen = {"rod.links", "rod.boundary", "rod.inertia", *names}
         assert set(leaves(modelled)) - fields - starts == chosen
@@ -100,13 +100,13 @@ def test_every_number_of_a_scene_has_a_field() -> None:
 def test_form_that_cannot_be_is_refused() -> None:
     scene = Scene.from_toml(MISSILE)
     for form, field in (
-        (Form(0, "free", "uniform", ()), "rod.links"),
-        (Form(1, "cantilever", "uniform", ()), "rod.links"),
-        (Form(3, "glued", "uniform", ()), "rod.boundary"),
+        (StructureForm(0, "free", "uniform", ()), "rod.links"),
+        (StructureForm(1, "cantilever", "uniform", ()), "rod.links"),
+        (StructureForm(3, "glued", "uniform", ()), "rod.boundary"),
     ):
         assert refused(reshape, scene, form, {}).field == field
     with pytest.raises(InputError, match=r"initial\.phi"):
-        reshape(scene, form_of(scene), {"initial.phi": "__import__('os')"})
+        reshape(scene, structure_form(scene), {"initial.phi": "__import__('os')"})
 
 
 def test_amplitude_of_a_load_has_the_slider_of_its_key() -> None:
@@ -115,7 +115,7 @@ def test_amplitude_of_a_load_has_the_slider_of_its_key() -> None:
     scene = Scene.from_toml(MISSILE)
     fields = [one for one in fields_of(scene) if one.key.startswith("loads.follower.force")]
     assert [field.value for field in fields] == [300.0, None, 0.5, 1.0]
-    assert fields[0].reach(scale_of(fields[0])) == (0.0, 900.0)
+    assert fields[0].slider_range(slider_scale(fields[0])) == (0.0, 900.0)
     other = changed(scene, fields[0].changes(320.0) | fields[2].changes(0.25))
     assert other.loads.follower is not None
     assert other.loads.follower.force == "320*min(t/0.25, 1)"
@@ -144,15 +144,15 @@ def test_supports_can_be_moved() -> None:
 
 def test_terms_that_anchor_a_rod_and_states_can_be_chosen() -> None:
     scene = Scene.from_dict(ROD)
-    form = form_of(scene)
+    form = structure_form(scene)
     held = reshape(scene, replace(form, terms=(*form.terms, "foundation", "supports")), {})
     assert held.anchors.terms == ("foundation", "supports")
     assert max(held.parameters["support_stiffness_y"]) > 0
     assert reshape(held, form, {}) == scene
     scene = Scene.from_toml(SCENES / "sounding_rocket.toml")
     key = "states.gimbal.initial"
-    assert key in starts_of(scene)
-    other = reshape(scene, form_of(scene), {key: 0.05})
+    assert key in initial_labels(scene)
+    other = reshape(scene, structure_form(scene), {key: 0.05})
     assert (other.structure, other.initial_state()[-1]) == (scene.structure, 0.05)
 
 
@@ -162,16 +162,16 @@ ONE = {"t": "0", "y": "[]", "work": "[]", "given": "0", "start": "0"}  # a state
 def test_link_brings_back_plots_view_time_and_state(run: LiveRun, other: LiveRun) -> None:
     """And what was done up to there: the balance of the other run goes on as that of the first,
     over a change of its mass, which is of after the sample that is looked at."""
-    run.do(lambda: run.add_plot({"kind": "time", "y": ["phi_4"], "window": 3.0})).result()
+    run.submit(lambda: run.add_plot({"kind": "time", "y": ["phi_4"], "window": 3.0})).result()
     to(run, 0.3)
     heavier = SCENE.replace({"rod.mass": 4.0})
     does(run, lambda: run.change(heavier, "rod.mass = 4"), lambda: run.look_at(0.2))
-    link = Link.unpack(run.do(lambda: link_to(run, "axes")).result().pack())
+    link = Link.unpack(run.submit(lambda: make_link(run, "axes")).result().pack())
     assert (link.scene, link.view) == (heavier, "axes")
-    does(other, lambda: other.take(link.scene), lambda: follow(other, link))
+    does(other, lambda: other.switch_to(link.scene), lambda: apply_link(other, link))
     assert other.undo.file == SCENE
     assert other.store.span == (0.2, 0.2)
-    assert other.shown.y == pytest.approx(run.seen.y, abs=0.0)
+    assert other.shown.y == pytest.approx(run.page_sample.y, abs=0.0)
     ((name, plot),) = other.plots.items()
     assert plot.spec == replace(run.plots["p1"].spec, id=name)
     to(other, 0.4)
@@ -180,11 +180,11 @@ def test_link_brings_back_plots_view_time_and_state(run: LiveRun, other: LiveRun
 
 
 def test_state_of_a_very_long_rod_is_left_out_and_that_of_another_refused(other: LiveRun) -> None:
-    state = State(1.0, (0.5,) * 2001, (), 0.0, 0.0)
+    state = RunSample(1.0, (0.5,) * 2001, (), 0.0, 0.0)
     assert Link.unpack(Link(SCENE, state=state).pack()).state is None
-    link = Link(SCENE, state=State(1.0, (0.0,), (), 0.0, 0.0))
+    link = Link(SCENE, state=RunSample(1.0, (0.0,), (), 0.0, 0.0))
     with pytest.raises(InputError, match=r"page\.state"):
-        other.do(lambda: follow(other, link)).result()
+        other.submit(lambda: apply_link(other, link)).result()
     assert other.store.span == (0.0, 0.0)
 
 
@@ -231,7 +231,7 @@ def test_scenes_of_the_package_can_be_edited_packed_and_drawn(path: Path) -> Non
     for field in fields_of(scene):
         if field.value is None or "fin_factor" in field.key:
             continue
-        low, high = field.reach(scale_of(field))
+        low, high = field.slider_range(slider_scale(field))
         assert low <= field.value <= high
         if field.of.fixed:
             continue
@@ -243,16 +243,19 @@ def test_scenes_of_the_package_can_be_edited_packed_and_drawn(path: Path) -> Non
                 del moved[name]
     assert moved == {}
     for boundary in BOUNDARIES:
-        forms = [Form(5, boundary, "lumped", ()), Form(6, boundary, "uniform", ENDS)]
+        forms = [
+            StructureForm(5, boundary, "lumped", ()),
+            StructureForm(6, boundary, "uniform", ENDS),
+        ]
         # Massless links carry no body that has inertia.
         for form in forms[any(body.inertia for body in scene.bodies) :]:
             other = reshape(scene, form, {})
-            assert form_of(other) == form
+            assert structure_form(other) == form
             moving = form.links - (boundary == "cantilever") + 2 * (boundary == "free")
             assert other.initial_state().size == 2 * moving + len(scene.states)
-    assert from_toml_text(scene.to_toml().encode()) == scene
+    assert scene_from_bytes(scene.to_toml().encode()) == scene
     assert {parse(dump(scene.structure))} == {scene.structure}  # in another process, too
-    stiffness, damping = usual(scene)  # of the spring of a pull
+    stiffness, damping = usual_spring(scene)  # of the spring of a pull
     assert stiffness > 0 <= damping
     text = Link(scene).pack()
     assert (text.isascii(), text.replace("-", "").replace("_", "").isalnum()) == (True, True)
@@ -262,7 +265,7 @@ def test_scenes_of_the_package_can_be_edited_packed_and_drawn(path: Path) -> Non
     points = np.reshape(shapes.split(), (-1, 2)).astype(float)
     assert np.all((points > -1) & (points < (WIDE + 1, HIGH + 1)))
     arrows = root.iter("{http://www.w3.org/2000/svg}polygon")
-    forces = [TERMS[name] for name in scene.loads.terms if not TERMS[name].damps]
+    forces = [TERMS[name] for name in scene.loads.terms if not TERMS[name].is_damping]
     assert {shape.get("fill") for shape in arrows} == {term.colours[0] for term in forces}
 
 

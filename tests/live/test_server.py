@@ -15,8 +15,8 @@ from urllib.parse import urlsplit
 
 import pytest
 
-from rodgen.live.page.guard import Guard
-from rodgen.live.page.misunderstood import Misunderstood
+from rodgen.live.page.access import AccessGuard
+from rodgen.live.page.unreadable_messages import UnreadableFilter
 from rodgen.scene import Scene
 from tests.live.conftest import SCENES, finished
 from tests.live.view import PATIENT
@@ -52,7 +52,7 @@ def ask(
         "headers": [(name.encode(), value.encode()) for name, value in headers.items()],
         "query_string": query.encode(),
     }
-    finished(Guard(app, token, port)(scope, receive, send))
+    finished(AccessGuard(app, token, port)(scope, receive, send))
     if kind == SOCKET:
         return (101 if sent[0]["type"] == "websocket.accept" else sent[0]["code"]), {}
     return sent[0]["status"], {name.decode(): value.decode() for name, value in sent[0]["headers"]}
@@ -154,7 +154,7 @@ def raised(act: Callable[[], object]) -> BaseException:
 
 def test_what_cannot_be_read_is_counted_and_errors_of_rodgen_are_told_once() -> None:
     """A line of uvicorn's is of what it could not read, too; all others are told."""
-    log = Misunderstood()
+    log = UnreadableFilter()
     unreadable = [log_record(raised(lambda: json.loads("{"))) for _ in range(3)]
     unreadable.append(log_record(text="Invalid HTTP request received."))
     assert [log.filter(one) for one in unreadable] == [False] * 4

@@ -10,9 +10,9 @@ from typing import Any
 import pytest
 
 from rodgen.errors import InputError
-from rodgen.live.page.runs import Sessions
+from rodgen.live.page.page_run import Sessions
 from rodgen.live.run.live_run import LiveRun
-from rodgen.live.run.worker import Pace
+from rodgen.live.run.run_thread import Pace
 from tests.live.conftest import SCENE
 
 
@@ -35,7 +35,7 @@ def send(message: bytes) -> None:
 
 def after(sessions: Sessions, clock: Any, seconds: float) -> None:
     clock.now += seconds
-    sessions.sweep()
+    sessions.close_idle()
 
 
 def test_runs_wait_half_a_minute_for_their_first_page(sessions: Sessions, clock: Any) -> None:
@@ -47,7 +47,7 @@ def test_runs_wait_half_a_minute_for_their_first_page(sessions: Sessions, clock:
     assert sessions.get(name) is run
     after(sessions, clock, 2.0)
     assert (sessions.get(name), len(sessions)) == (None, 1)
-    assert run.do(lambda: None).cancelled()  # it does nothing any more
+    assert run.submit(lambda: None).cancelled()  # it does nothing any more
     assert sessions.get(other) is not None
     assert [sessions.get(wrong) for wrong in ("", "x" * 22, None, 3, ["x"])] == [None] * 5
 
@@ -70,7 +70,7 @@ def test_run_outlives_a_reload_and_not_its_page(sessions: Sessions, clock: Any) 
 def test_page_that_comes_and_goes_between_two_looks(sessions: Sessions, clock: Any) -> None:
     """It was there: its run is not kept for the half minute that a first page may take."""
     name, run = opened(sessions)
-    sessions.sweep()
+    sessions.close_idle()
     run.page.attach(send)
     run.page.detach(send)
     after(sessions, clock, 0.5)
@@ -83,7 +83,7 @@ def test_reload_may_take_its_time(sessions: Sessions, clock: Any) -> None:
     has come. One that does not come counts for half a minute."""
     (name, run), (other, _) = opened(sessions), opened(sessions)
     run.page.attach(send)
-    sessions.sweep()
+    sessions.close_idle()
     with sessions.arrival():
         run.page.detach(send)
         after(sessions, clock, 29.0)
@@ -91,7 +91,7 @@ def test_reload_may_take_its_time(sessions: Sessions, clock: Any) -> None:
     after(sessions, clock, 20.0)
     assert (sessions.get(name), sessions.get(other)) == (run, None)
     run.page.attach(send)
-    sessions.sweep()
+    sessions.close_idle()
     run.page.detach(send)
     with sessions.arrival():
         after(sessions, clock, 29.0)
@@ -105,10 +105,10 @@ def test_runs_that_are_being_made_count(sessions: Sessions) -> None:
     sessions.open(SCENE)
     with ExitStack() as making:
         for _ in range(15):
-            making.enter_context(sessions.room())
-        with pytest.raises(InputError, match="16"), sessions.room():
+            making.enter_context(sessions.reserve())
+        with pytest.raises(InputError, match="16"), sessions.reserve():
             pass
-    with sessions.room():  # those were cancelled
+    with sessions.reserve():  # those were cancelled
         pass
 
 
@@ -117,7 +117,7 @@ def test_time_due_follows_the_clock(clock: Any) -> None:
         pace = Pace(speed, clock)
         pace.start(3.0)
         clock.now += 2.0
-        assert pace.due() == pytest.approx(3.0 + 2.0 * speed)
+        assert pace.target() == pytest.approx(3.0 + 2.0 * speed)
     assert pace.ratio is None  # of a run that goes as fast as it can
 
 
@@ -127,14 +127,14 @@ def test_run_that_cannot_keep_up_is_not_chased(clock: Any) -> None:
     pace.start(t)
     for _ in range(600):
         clock.now += 1 / 60
-        t += (pace.due() - t) * 0.5 if pace.due() - t > 0.01 else 0.0
-        pace.reached(t)
-    assert pace.due() - t < 0.11  # seconds
+        t += (pace.target() - t) * 0.5 if pace.target() - t > 0.01 else 0.0
+        pace.record(t)
+    assert pace.target() - t < 0.11  # seconds
     for _ in range(120):  # half as fast as the clock
         clock.now += 1 / 60
         t += 0.5 / 60
-        pace.reached(t)
-    assert pace.due() - t < 0.11
+        pace.record(t)
+    assert pace.target() - t < 0.11
     assert pace.ratio == pytest.approx(0.5, rel=0.02)
 
 
@@ -149,10 +149,10 @@ def test_real_time_is_missed_where_steps_are_what_takes_so_long(clock: Any) -> N
         pace.start(0.0)
         for frame in range(1, 181):
             clock.now += 1 / 60
-            pace.spend(spent / 60)
-            pace.reached(reached * frame / 60)
-            seen.append(pace.missed)
+            pace.add_cost(spent / 60)
+            pace.record(reached * frame / 60)
+            seen.append(pace.is_too_slow)
         assert not any(seen[:119])
         assert seen[-1] == missed
         pace.speed = math.inf
-        assert not pace.missed
+        assert not pace.is_too_slow

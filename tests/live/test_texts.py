@@ -11,8 +11,16 @@ import pytest
 import rodgen
 from rodgen.arrays import Array
 from rodgen.integrate.stepper import Counts
-from rodgen.live.samples import Chunk
-from rodgen.live.texts import WIDTH, Present, digits, fixed, groups, texts, whole
+from rodgen.live.panel_rows import (
+    WIDTH,
+    RunStatus,
+    format_decimals,
+    format_integer,
+    format_significant,
+    row_groups,
+    row_texts,
+)
+from rodgen.live.sample_store import Chunk
 from rodgen.model.rod import BOUNDARIES
 from rodgen.model.terms import TERMS, THESIS_TERMS
 from rodgen.scene import Scene
@@ -31,7 +39,9 @@ def shown(scene: Scene, y: Array | None = None, t: float = 0.0, **present: Any) 
     work = np.arange(1.0, len(works) + 1)[None]
     chunk = Chunk(np.array([t]), y[None], work, works, p, given=present.pop("given", 0.0))
     cost = {"counts": Counts(), "seconds": 0.0, **present}
-    return {key: text.strip() for key, text in texts(scene, model, Present(chunk, **cost)).items()}
+    return {
+        key: text.strip() for key, text in row_texts(scene, model, RunStatus(chunk, **cost)).items()
+    }
 
 
 def numbers(text: str) -> Any:
@@ -107,7 +117,7 @@ def test_a_straight_rod_has_the_inertia_of_a_bar(make_scene: Make) -> None:
 )
 def test_rows_are_those_of_the_scene(make_scene: Make, links: int, terms: tuple[str, ...]) -> None:
     scene = make_scene(links, terms=terms)
-    titles = {title: [row.key for row in rows] for title, rows in groups(scene).items()}
+    titles = {title: [row.key for row in rows] for title, rows in row_groups(scene).items()}
     rows = [key for found in titles.values() for key in found]
     assert set(shown(scene)) == set(rows) - {"t"}  # which comes with every picture
     assert ("Loads and damping" in titles) == bool(terms)
@@ -130,7 +140,7 @@ def test_loads_and_works_are_those_of_the_present(make_scene: Make) -> None:
     assert values["tip_force_y"] == pytest.approx(-4 * np.cos(2.1), rel=DIGITS)
     assert values["tip_force_x"] == 6.0
     assert [values[f"fin_factor_{at}"] for at in ("nose", "body", "tail")] == [1, 1, 5]
-    rows = {row.key: row for row in groups(scene)["Loads and damping"]}
+    rows = {row.key: row for row in row_groups(scene)["Loads and damping"]}
     assert rows["tip_force_y"].label != "tip force y"  # which changes with time
     assert rows["tip_force_x"].label == "tip force x"
     assert rows["internal_damping"].unit == "m²/s"
@@ -186,12 +196,16 @@ def test_numbers_have_five_digits_and_do_not_jitter() -> None:
         (float("-inf"), "-inf"),
         (-1e300, "-1.0000e+300"),
     ):
-        assert digits(value).strip() == text
-        assert len(digits(value)) == WIDTH
+        assert format_significant(value).strip() == text
+        assert len(format_significant(value)) == WIDTH
     rng = np.random.default_rng(2)
     for value in (rng.normal(size=500) * 10.0 ** rng.integers(-99, 100, 500)).tolist():
-        for text in (digits(value), fixed(value, 3), digits(value, 3)):
+        for text in (
+            format_significant(value),
+            format_decimals(value, 3),
+            format_significant(value, 3),
+        ):
             assert len(text) == WIDTH
-        assert float(digits(value)) == pytest.approx(value, rel=5.01e-5)
-    assert fixed(-0.0001, 2).strip() == "0.00"
-    assert len(whole(10**8)) == WIDTH
+        assert float(format_significant(value)) == pytest.approx(value, rel=5.01e-5)
+    assert format_decimals(-0.0001, 2).strip() == "0.00"
+    assert len(format_integer(10**8)) == WIDTH

@@ -7,9 +7,9 @@ from typing import Any
 import numpy as np
 import pytest
 
-from rodgen.live.page.answers import take_up
+from rodgen.live.page.answers import act_on_answer
+from rodgen.live.run.change_marks import MOST, ChangeMark, ChangeMarks
 from rodgen.live.run.live_run import LiveRun
-from rodgen.live.run.marks import MOST, Mark, Marks
 from rodgen.scene import Scene
 from tests.live.conftest import SCENE, SHORT
 from tests.live.runs import Page, does, gets, to
@@ -19,7 +19,7 @@ from tests.live.view import until
 @pytest.fixture
 def run(run: LiveRun) -> LiveRun:
     """Paused after samples at 0, 0.01, ..., 0.3 s, with a profile of the rates."""
-    run.do(lambda: run.add_plot({"kind": "profile", "y": ["omega"]})).result()
+    run.submit(lambda: run.add_plot({"kind": "profile", "y": ["omega"]})).result()
     to(run, 0.3)
     return run
 
@@ -27,8 +27,8 @@ def run(run: LiveRun) -> LiveRun:
 def looks(run: LiveRun, page: Page, text: str) -> dict[str, Any]:
     """What the page gets of what the run shows after it has said something."""
     before = len(page.headers)
-    assert take_up(run, text)
-    past = run.do(lambda: None if run.past is None else float(run.past.t[-1])).result()
+    assert act_on_answer(run, text)
+    past = run.submit(lambda: None if run.past is None else float(run.past.t[-1])).result()
     line = {"past": past, "to": run.store.span[1]}
 
     def shown() -> list[dict[str, Any]]:
@@ -43,7 +43,7 @@ def test_rod_profile_and_values_are_those_of_the_sample(run: LiveRun) -> None:
     line = {"from": 0.0, "to": 0.3, "count": 31, "past": None, "keeps": False, "marks": []}
     assert page.headers[-1]["line"] == line
     header = looks(run, page, '{"look": 0.1234}')
-    sample = run.store.near(0.12)
+    sample = run.store.nearest(0.12)
     assert (header["t"], header["line"]["past"]) == (0.12, 0.12)
     joints = run.model.joints(sample.y[0], sample.p)
     # Single precision.
@@ -84,16 +84,19 @@ def test_what_moves_the_rod_is_seen_in_the_present(run: LiveRun) -> None:
         run.restart,
     ):
         looks(run, page, '{"step": -1}')
-        run.do(act).result()
+        run.submit(act).result()
         assert run.past is None
         to(run, run.live.t + 0.1)
 
 
 def test_marks_of_a_slider_are_one_and_bounded() -> None:
-    marks = Marks()
+    marks = ChangeMarks()
     for t, what in ((1.0, "mass = 2"), (1.5, "mass = 3"), (2.0, "kick (0, 1) N s upon link 0")):
         marks.note(t, what)
-    assert marks.every == (Mark(1.5, "mass = 3"), Mark(2.0, "kick (0, 1) N s upon link 0"))
+    assert marks.every == (
+        ChangeMark(1.5, "mass = 3"),
+        ChangeMark(2.0, "kick (0, 1) N s upon link 0"),
+    )
     for k in range(2 * MOST):
         marks.note(3.0 + k, f"kick {k}")
     assert len(marks.every) == MOST
@@ -108,7 +111,7 @@ NONE = (
 
 
 def test_other_answers_are_none(run: LiveRun) -> None:
-    assert [text for text in NONE if take_up(run, text)] == []
+    assert [text for text in NONE if act_on_answer(run, text)] == []
 
 
 @pytest.fixture
@@ -121,21 +124,21 @@ def kept(other: LiveRun) -> LiveRun:
 
 def plotted(kept: LiveRun, **choice: Any) -> str:
     """The name of a plot that is added."""
-    kept.do(lambda: kept.add_plot(choice)).result()
+    kept.submit(lambda: kept.add_plot(choice)).result()
     return list(kept.plots)[-1]
 
 
 def heavier(kept: LiveRun) -> None:
     heavy = kept.live.system.at({"rod.mass": 4.0})
-    kept.do(lambda: kept.change(heavy, "rod.mass = 4")).result()
+    kept.submit(lambda: kept.change(heavy, "rod.mass = 4")).result()
 
 
 def test_rod_that_is_kept_is_shown_at_the_same_time(kept: LiveRun) -> None:
     before = kept.store
-    kept.do(kept.restart).result()
+    kept.submit(kept.restart).result()
     to(kept, 0.125)
     header = gets(kept).headers[-1]
-    sample = before.near(0.12)
+    sample = before.nearest(0.12)
     expected = kept.model.joints(sample.y[0], sample.p) - np.array(header["origin"])
     assert header["ghost"].reshape(-1, 2) == pytest.approx(expected, abs=1e-6)  # single precision
     ghost = kept.ghost
@@ -145,9 +148,9 @@ def test_rod_that_is_kept_is_shown_at_the_same_time(kept: LiveRun) -> None:
     assert ghost.joints(0.3001).size == ghost.joints(-0.1).size == 0
     to(kept, 0.4)
     assert gets(kept).headers[-1]["ghost"].size == 0  # it has not come that far
-    kept.do(kept.restart).result()
+    kept.submit(kept.restart).result()
     last_one = kept.ghost
-    kept.do(kept.restart).result()
+    kept.submit(kept.restart).result()
     assert kept.ghost is last_one  # a run that did not move is not
 
 
@@ -167,10 +170,10 @@ def test_plots_of_all_kinds_show_both(kept: LiveRun, choice: dict[str, Any]) -> 
     name = plotted(kept, **choice)
     before = gets(kept).rows[name][-1]
     assert before.size
-    kept.do(kept.restart).result()
+    kept.submit(kept.restart).result()
     to(kept, 0.3)
     assert np.array_equal(gets(kept).headers[-1][f"ghost:{name}"], before)
-    kept.do(lambda: kept.keep_runs(False)).result()
+    kept.submit(lambda: kept.keep_runs(False)).result()
     header = gets(kept).headers[-1]
     assert (header[f"ghost:{name}"].size, "ghost" in header) == (0, False)
 
@@ -182,7 +185,7 @@ def test_another_rod_is_compared_where_both_have_a_quantity(kept: LiveRun) -> No
         plotted(kept, kind="time", y=y)
     page = gets(kept)
     tail = page.rows["p2"][-1].reshape(-1, 6)[:, -1]
-    kept.do(lambda: kept.take(Scene.from_dict(SHORT))).result()
+    kept.submit(lambda: kept.switch_to(Scene.from_dict(SHORT))).result()
     shown = {plot.names: name for name, plot in kept.plots.items()}
     assert kept.unplotted == ("φ₃", "ω₃")
     assert {("tip_x",), ("omega_2",), ("phi_0",)} < shown.keys()
@@ -191,7 +194,7 @@ def test_another_rod_is_compared_where_both_have_a_quantity(kept: LiveRun) -> No
     assert header[f"ghost:{shown['tip_x',]}"].size == 2 * 31
     curves = header[f"ghost:{shown['phi_0', 'phi_1', 'phi_2']}"].reshape(-1, 4)
     assert curves[:, -1] == pytest.approx(tail)
-    kept.do(lambda: kept.take(SCENE)).result()
+    kept.submit(lambda: kept.switch_to(SCENE)).result()
     again = {plot.names for plot in kept.plots.values()}
     assert {("omega_3",), ("omega_4",), ("phi_0", "phi_3")} < again
     assert kept.unplotted == ()

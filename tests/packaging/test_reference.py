@@ -13,7 +13,7 @@ from pydantic import BaseModel
 from told import sections, told
 
 import rodgen
-from rodgen.scene.integration import Integrate
+from rodgen.scene.integration import IntegrationTable
 from tests.view.results import made
 
 ROOT = Path(__file__).parents[2]
@@ -131,7 +131,9 @@ def _untold(member: Any, name: str = "") -> Iterator[str]:
     if not text:
         yield name
     for one in inspect.signature(function).parameters:
-        if one in ("self", "cls") or (one in Integrate.model_fields and "[integrate]" in text):
+        if one in ("self", "cls") or (
+            one in IntegrationTable.model_fields and "[integrate]" in text
+        ):
             continue
         if one not in meanings or _bare(types.get(one, ""), meanings[one]):
             yield f"{name}({one})"

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import rodgen
-from rodgen.analyse.references.columns import beck
+from rodgen.analyse.references.follower_columns import beck
 from rodgen.loading import build
 from rodgen.model.rod import BOUNDARIES
 from rodgen.scene import Scene

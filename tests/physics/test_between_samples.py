@@ -130,7 +130,7 @@ def test_a_step_that_fails_between_samples_carries_the_run(sol: rodgen.Solution)
 
 def test_a_changed_run_is_refused(sol: rodgen.Solution) -> None:
     p = np.tile(sol.model.parameters(**SCENE.parameters), (len(sol.t), 1))
-    changed = sol.taken(slice(None))
+    changed = sol.isel(slice(None))
     changed.changes = Changes(p, np.zeros(len(sol.t)))
     assert refused(changed, 0.405)
 
@@ -147,6 +147,6 @@ def test_it_follows_from_a_file(sol: rodgen.Solution, tmp_path: Path) -> None:
 
 def test_a_window_far_from_the_start_has_its_own_switches(sol: rodgen.Solution) -> None:
     """Of a piece of a run, as a live one gives: its own times count, not the span."""
-    piece = sol.taken(slice(52, 55))
+    piece = sol.isel(slice(52, 55))
     assert (DenseOutput(piece).first, DenseOutput(piece).last) == (sol.t[52], sol.t[54])
     np.testing.assert_allclose(piece(0.537), sol(0.537), rtol=0, atol=0)

@@ -10,18 +10,18 @@ import pytest
 from scipy.integrate import quad
 
 import rodgen
-from rodgen.check.module import check_module
+from rodgen.check.module_check import check_module
 from rodgen.emit.targets import FORMS
-from rodgen.integrate.events import Watch
+from rodgen.integrate.events import EventDetector
 from rodgen.integrate.live import Live
-from rodgen.integrate.methods.choose import machine
-from rodgen.integrate.samples import Recorder
-from rodgen.integrate.stretches import inside
+from rodgen.integrate.methods.method_choice import make_integrator
+from rodgen.integrate.recorder import Recorder
+from rodgen.integrate.stretches import evaluation_bounds
 from rodgen.loading import build
-from rodgen.loading.module import asked
+from rodgen.loading.generated_module import call_module
 from rodgen.scene import Scene
 from rodgen.scene.structure import Structure
-from rodgen.system.instant import freeze_masses
+from rodgen.system.freezing import freeze_masses
 from tests.palette import ALONG, ENDS
 from tests.sets import sets
 from tests.told import refused
@@ -77,8 +77,8 @@ def test_a_rod_that_bends_and_turns_keeps_its_balance() -> None:
     # The tolerance of the run, of the energies that are exchanged.
     assert sol.energy_error < 1e-6 * abs(sol.work["follower"]).max()
     at, h = (sol.y[1], sol.model.parameters(**scene.parameters)), 1e-4
-    power = asked(sol.model, "power", 1.0, 1.0, *at)["emptying"]
-    lost = [sum(asked(sol.model, "energy", 1.0 + k * h, *at)) for k in (-1, 1)]
+    power = call_module(sol.model, "power", 1.0, 1.0, *at)["emptying"]
+    lost = [sum(call_module(sol.model, "energy", 1.0 + k * h, *at)) for k in (-1, 1)]
     # h^2, and rounding over h
     assert power == pytest.approx((lost[1] - lost[0]) / (2 * h), rel=1e-6)
 
@@ -223,21 +223,24 @@ def test_a_run_without_an_end_and_one_that_goes_on_account_for_jumps() -> None:
     live = Live(scene, model, 0.05)
     samples = live.advance(0.9, 60.0)
     p = model.parameters(**scene.parameters)
-    energy = sum(asked(model, "energy", samples.t, samples.y, p))
+    energy = sum(call_module(model, "energy", samples.t, samples.y, p))
     balance = energy - live.energy_start - samples.work.sum(axis=1)
     np.testing.assert_allclose(balance, 0.0, atol=1e-7)
     # Put down at a jump and taken up: to the bit what it would have been.
     works = []
     for stops in ((), (0.25,)):
-        run = machine(model, p, scene.integrate, 0.0, scene.initial_state())
+        run = make_integrator(model, p, scene.integrate, 0.0, scene.initial_state())
         for end in scene.breaks():
-            run.begin(end, *inside(run.t, end), np.inf)
-            recorder, watch = Recorder(np.empty(0), len(run.y), model.WORKS), Watch([], model, p)
+            run.begin(end, *evaluation_bounds(run.t, end), np.inf)
+            recorder, watch = (
+                Recorder(np.empty(0), len(run.y), model.WORKS),
+                EventDetector([], model, p),
+            )
             while not run.advance(recorder, watch, 1000):
                 pass
             if end in stops:
                 state = run.state()
-                run = machine(model, p, scene.integrate, 0.0, scene.initial_state())
+                run = make_integrator(model, p, scene.integrate, 0.0, scene.initial_state())
                 run.restore(state)
         works.append(run.works(recorder))
     np.testing.assert_array_equal(*works)

@@ -11,9 +11,9 @@ from numpy.typing import NDArray
 from scipy.special import ellipk
 
 import rodgen
-from rodgen.integrate.events import Watch
+from rodgen.integrate.events import EventDetector
 from rodgen.loading import build
-from rodgen.model.quantities import watched
+from rodgen.model.quantities import watchable_names
 from rodgen.model.rod import BOUNDARIES
 from rodgen.scene import Scene
 from rodgen.system import System
@@ -22,7 +22,7 @@ from tests.sets import Make
 Array = NDArray[np.float64]
 G = 9.81
 # What events can watch beside states and joints.
-SINGLE = [name for name, span in watched(BOUNDARIES["pinned"], 3) if len(span) == 1]
+SINGLE = [name for name, span in watchable_names(BOUNDARIES["pinned"], 3) if len(span) == 1]
 
 
 def _with(scene: Scene, *events: dict[str, Any]) -> Scene:
@@ -95,7 +95,7 @@ class _Curve:
         scene = _with(make_scene(1, "pinned"), *({"quantity": "phi_0", **e} for e in events))
         model = build(scene, "numpy")
         self.curve = np.polynomial.Polynomial(coefficients)
-        self.watch = Watch(scene.events, model, model.parameters(**scene.parameters))
+        self.watch = EventDetector(scene.events, model, model.parameters(**scene.parameters))
 
     def at(self, times: Array) -> Array:
         return np.stack((self.curve(times), self.curve.deriv()(times)), axis=1)
@@ -232,7 +232,7 @@ def test_every_quantity_is_the_module_s_own(make_scene: Make) -> None:
     p = model.parameters(**scene.parameters)
     y = np.random.default_rng(1).normal(size=(4, 2, len(model.STATE)))
     values = dict(
-        zip(names, np.moveaxis(Watch(scene.events, model, p).values(y), -1, 0), strict=True)
+        zip(names, np.moveaxis(EventDetector(scene.events, model, p).values(y), -1, 0), strict=True)
     )
     joints, centre = model.joints(y, p), model.centre_of_gravity(y, p)
     energy, inertia = model.energy(y, p), model.inertia(y, p)

@@ -10,8 +10,8 @@ import pytest
 
 import rodgen
 from rodgen import Scene
-from rodgen.integrate.catalogue import Piece
-from rodgen.integrate.joint_forces import forces_per_mass
+from rodgen.integrate.constraint_forces import forces_per_mass
+from rodgen.integrate.quantity_formulas import MotionSlice
 from rodgen.model.quantities import QUANTITIES
 from rodgen.model.rod import BOUNDARIES, INERTIAS
 from tests.palette import ALONG, ENDS
@@ -29,10 +29,10 @@ RODS = pytest.mark.parametrize(
 LINKS = 3
 
 
-def piece_of(scene: Scene, y: np.ndarray | None = None, t: float = 0.3) -> Piece:
+def piece_of(scene: Scene, y: np.ndarray | None = None, t: float = 0.3) -> MotionSlice:
     model = rodgen.build(scene, "numpy")
     p = model.parameters(**scene.parameters)
-    return Piece(model, p, scene.initial_state() if y is None else y, np.array(t))
+    return MotionSlice(model, p, scene.initial_state() if y is None else y, np.array(t))
 
 
 @pytest.mark.parametrize("inertia", sets(["uniform"], slow=["lumped"]))
@@ -80,12 +80,12 @@ def test_momenta_grow_by_loads_and_reaction(
     piece = piece_of(scene, at_start + 0.3 * rng.standard_normal(len(at_start)))
     y, h = piece.y, 1e-6
     rates = piece.model.rhs(0.3, y, piece.p)
-    sides = [Piece(piece.model, piece.p, y + way * h * rates) for way in (1, -1)]
+    sides = [MotionSlice(piece.model, piece.p, y + way * h * rates) for way in (1, -1)]
     gained, turned = (
         (sides[0].values(name) - sides[1].values(name)) / (2 * h)
         for name in ("momentum", "angular_momentum")
     )
-    joints, first = piece.values("joints"), scene.hold.first
+    joints, first = piece.values("joints"), scene.boundary_condition.first
     free = boundary == "free"
     about = piece.values("centre_of_gravity") if free else joints[first]
     # What acts on a joint that does not move is borne by what holds it.
@@ -108,13 +108,13 @@ def test_momenta_grow_by_loads_and_reaction(
 
 
 @pytest.mark.slow
-def test_momenta_of_an_uneven_rod_are_those_of_its_energy() -> None:
+def test_momenta_of_a_nonuniform_rod_are_those_of_its_energy() -> None:
     """With bodies beside the axis and mass that burns: kinetic energy is quadratic in the rates, so
     that what it gains by further rates, that carry all mass by 1 m/s or turn it about the centre by
     1 rad/s, is the momentum; a difference of any size is exact."""
     scene = Scene.example("sounding_rocket")
     piece = piece_of(scene, t=1.0)
-    size = len(scene.initial_state()) // 2 - len(piece.added) // 2
+    size = len(scene.initial_state()) // 2 - len(piece.extra_states) // 2
     rng = np.random.default_rng(6)
     y = piece.y + 0.1 * rng.standard_normal(len(piece.y))
     piece = piece_of(scene, y, t=1.0)
@@ -134,7 +134,7 @@ def test_momenta_of_an_uneven_rod_are_those_of_its_energy() -> None:
 
 
 @pytest.mark.nightly
-def test_of_an_uneven_rod_they_solve_the_equations() -> None:
+def test_of_a_nonuniform_rod_they_solve_the_equations() -> None:
     """Bodies, mass that burns, drag, wind, feedback: with the accelerations of `rhs` and these
     forces the equations of derivation 3 have no residual; and each state stands for itself."""
     scene = Scene.example("sounding_rocket")
@@ -165,10 +165,10 @@ def test_forces_of_supports_by_hand(make_scene: Make, boundary: str) -> None:
     piece = piece_of(scene.replace({"supports": [{"at": at, **fixed, **turning}]}))
     model, p, y, h = piece.model, piece.p, piece.y, 1e-6
     along = np.concatenate((y[len(y) // 2 :], np.zeros(len(y) // 2)))  # the rates stay
-    before, after = (Piece(model, p, y + way * h * along) for way in (-1, 1))
+    before, after = (MotionSlice(model, p, y + way * h * along) for way in (-1, 1))
     link, share = int(at * n), at * n - int(at * n)
 
-    def place(one: Piece) -> np.ndarray:
+    def place(one: MotionSlice) -> np.ndarray:
         start, end = one.values("joints")[link : link + 2]
         return start + share * (end - start)
 
@@ -219,11 +219,18 @@ def test_quantities_of_a_sample_are_those_of_its_state_at_its_time(
     scene = make_scene(LINKS, "cantilever", terms, {"inertia": inertia})
     sol = rodgen.simulate(scene, target=target, rtol=1e-4, span=[0.0, 1.0], output_every=0.2)
     p = sol.model.parameters(**scene.parameters)
-    folded = Piece(sol.model, p, sol.y.reshape(2, 3, -1), sol.t.reshape(2, 3), timed=scene.timed)
+    folded = MotionSlice(
+        sol.model, p, sol.y.reshape(2, 3, -1), sol.t.reshape(2, 3), timed=scene.time_laws
+    )
     single = [
-        Piece(sol.model, p, y, t, timed=scene.timed) for y, t in zip(sol.y, sol.t, strict=True)
+        MotionSlice(sol.model, p, y, t, timed=scene.time_laws)
+        for y, t in zip(sol.y, sol.t, strict=True)
     ]
-    names = {row.name for row in QUANTITIES if not row.only or getattr(scene.hold, row.only)}
+    names = {
+        row.name
+        for row in QUANTITIES
+        if not row.only or getattr(scene.boundary_condition, row.only)
+    }
     names = {name for name in names if "{" not in name} - {"energy_balance"}  # which a run has
     names -= set() if "supports" in terms else {"support_force", "support_moment"}
     names |= {f"force_{term}" for term in sol.forces} | {f"power_{term}" for term in sol.work}

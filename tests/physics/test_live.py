@@ -10,9 +10,9 @@ import numpy as np
 import pytest
 
 import rodgen
-from rodgen.integrate import live_progress
+from rodgen.integrate import live_steps
 from rodgen.integrate.live import LiveError
-from rodgen.integrate.samples import Tape
+from rodgen.integrate.recorder import GridRecorder
 from rodgen.scene import Scene
 from tests.palette import cases
 from tests.physics.live_runs import PULSE, bar, gone_on, live_of
@@ -101,13 +101,13 @@ def test_works_of_single_steps_are_those_of_the_run() -> None:
 def test_samples_stand_where_the_grid_has_them() -> None:
     """Of a time in the grid one more is there than of the double before it."""
     for start, every in ((0.0, 0.1), (-3.3, 0.7), (1e6, 1 / 60), (0.1, 1e-3)):
-        tape = Tape(start, every, 1, ())
+        tape = GridRecorder(start, every, 1, ())
         for k in (0, 1, 2, 3, 7, 1000, 123_457, 10**8 + 1):
             at = start + every * k
-            assert tape.up_to(at) == k + 1
-            assert tape.up_to(float(np.nextafter(at, -np.inf))) == k
-    assert tape.up_to(-np.inf) == tape.up_to(np.nan) == 0
-    assert tape.up_to(np.inf) > 10**15
+            assert tape.count_until(at) == k + 1
+            assert tape.count_until(float(np.nextafter(at, -np.inf))) == k
+    assert tape.count_until(-np.inf) == tape.count_until(np.nan) == 0
+    assert tape.count_until(np.inf) > 10**15
 
 
 def test_clock_holds_a_run_that_is_slow(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -116,7 +116,7 @@ def test_clock_holds_a_run_that_is_slow(monkeypatch: pytest.MonkeyPatch) -> None
     live = live_of(Scene.from_dict(MISSILE).with_integrate(method="rk4", step=1e-6), "numpy")
     ticks = itertools.count()
     clock = SimpleNamespace(perf_counter=lambda: 1e-3 * next(ticks))
-    monkeypatch.setattr(live_progress, "time", clock)
+    monkeypatch.setattr(live_steps, "time", clock)
     samples = live.advance(10.0, 0.05)
     assert 1 < live.counts.nsteps < 50
     assert (samples.t <= live.t).all()

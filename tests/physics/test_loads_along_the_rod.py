@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from rodgen.check.module import check_module
+from rodgen.check.module_check import check_module
 from rodgen.integrate import simulate
 from rodgen.loading import build
 from rodgen.scene import Scene

@@ -13,12 +13,12 @@ import pytest
 
 import rodgen
 from rodgen.arrays import Array
-from rodgen.integrate.methods.python_steps import stepper
-from rodgen.integrate.stability import limit
-from rodgen.integrate.stepper import Problem, StepError, Stepper
+from rodgen.integrate.methods.python_integrator import make_stepper
+from rodgen.integrate.stability import step_limit
+from rodgen.integrate.stepper import InitialValueProblem, StepError, Stepper
 from rodgen.model.method import Tableau
 from rodgen.model.methods import ADAPTIVE, EITHER, FIXED_STEP, METHODS
-from rodgen.scene.integration import Integrate
+from rodgen.scene.integration import IntegrationTable
 from rodgen.system import System
 from tests.palette import ENDS
 from tests.sets import Make, sets
@@ -47,12 +47,12 @@ def jac(t: float, y: Array) -> Array:
     return np.array([[0.0, 1.0], [-2 * v - 3, 1 - 2 * q]])
 
 
-def problem(method: str, **integrate: Any) -> Problem:
+def problem(method: str, **integrate: Any) -> InitialValueProblem:
     """The equation by a method, from 0 to END."""
     if method == "cvode":
         pytest.importorskip("sksundae")
-    settings = Integrate(method=method, span=[0.0, END], **integrate)
-    return Problem(rhs, jac, 0.0, exact(0.0), END, settings)
+    settings = IntegrationTable(method=method, span=[0.0, END], **integrate)
+    return InitialValueProblem(rhs, jac, 0.0, exact(0.0), END, settings)
 
 
 def walked(steps: Stepper) -> float:
@@ -74,14 +74,14 @@ def test_order_of_equal_steps(method: str) -> None:
     least."""
     order, errors = METHODS[method].order, []
     for count in COUNTS[order]:
-        steps = stepper(problem(method, step=END / count))
+        steps = make_stepper(problem(method, step=END / count))
         while not steps.step():
             pass
         assert steps.counts.nsteps == count
         errors.append(np.abs(steps.y - exact(END)).max())
     slope = -np.polyfit(np.log(COUNTS[order]), np.log(errors), 1)[0]
     assert slope == pytest.approx(order, abs=0.2)
-    inside = [walked(stepper(problem(method, step=END / count))) for count in (20, 40)]
+    inside = [walked(make_stepper(problem(method, step=END / count))) for count in (20, 40)]
     assert np.log2(inside[0] / inside[1]) > min(order, 4) - 0.3
 
 
@@ -89,7 +89,7 @@ def test_order_of_equal_steps(method: str) -> None:
 def test_error_follows_the_tolerance(method: str) -> None:
     """At the ends of steps and inside them."""
     for rtol in (1e-3, 1e-5, 1e-7):
-        steps = stepper(problem(method, rtol=rtol, atol=rtol))
+        steps = make_stepper(problem(method, rtol=rtol, atol=rtol))
         # Some ten to hundred steps, each off by the tolerance; LSODA and CVODE keep to it loosely.
         assert walked(steps) < 30 * rtol
         counts = steps.counts
@@ -103,7 +103,7 @@ def test_last_step_meets_the_end() -> None:
     """It is shortened, and left out where it would be a millionth of the others."""
     counts = (0.3, 7), (END / 5 * (1 - 1e-8), 5)
     for method, (step, count) in product([*FIXED_STEP, *EITHER], counts):
-        steps = stepper(problem(method, step=step))
+        steps = make_stepper(problem(method, step=step))
         while not steps.step():
             pass
         assert (steps.t, steps.counts.nsteps) == (END, count)
@@ -117,7 +117,7 @@ def test_rates_that_stop_being_finite_end_the_run(method: str) -> None:
     def broken(t: float, y: Array) -> Array:
         return rhs(t, y) if t < 1.0 else np.full(2, np.nan)
 
-    steps = stepper(replace(given, rhs=broken))
+    steps = make_stepper(replace(given, rhs=broken))
     with pytest.raises(StepError):
         walked(steps)
     assert 0.9 < steps.t <= 1.0 + 1e-12
@@ -140,7 +140,7 @@ def test_documentation_has_the_table_of_methods() -> None:
     for name in FIXED_STEP:
         row = re.search(rf"\| `{name}` \| ([\d.]+).*\| ([\d.]+) \|", text)
         assert row
-        ends = limit(name, 1j), limit(name, -1 + 0j, 0j)
+        ends = step_limit(name, 1j), step_limit(name, -1 + 0j, 0j)
         assert [float(value) for value in row.groups()] == pytest.approx(ends, abs=5e-4)
 
 

@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 from rodgen.arrays import Array
-from rodgen.integrate.catalogue import Piece
+from rodgen.integrate.quantity_formulas import MotionSlice
 from rodgen.loading import build
 from rodgen.scene import Scene
 
@@ -40,10 +40,10 @@ def _scene(boundary: str) -> Scene:
 
 def _points(scene: Scene, y: Array) -> tuple[Array, Array, Array]:
     """Masses, places and velocities of the points, relative to joint 0 at rest there."""
-    l, half, hold = L / LINKS, len(y) // 2, scene.hold
-    base = 2 * hold.translates
+    l, half, boundary_condition = L / LINKS, len(y) // 2, scene.boundary_condition
+    base = 2 * boundary_condition.translates
     phi, omega = y[base:half], y[half + base :]
-    if hold.first:
+    if boundary_condition.first:
         phi, omega = np.append(0.3, phi), np.append(0.0, omega)
     e = np.stack((np.cos(phi), np.sin(phi)), -1)
     n = np.stack((-e[:, 1], e[:, 0]), -1)
@@ -78,9 +78,9 @@ def test_inertia_and_its_axes(boundary: str) -> None:
         arms = places - masses @ places / masses.sum()
         x, y_, xy = (masses @ v for v in (arms[:, 1] ** 2, arms[:, 0] ** 2, arms.prod(axis=1)))
         near = model.inertia(y, p)
-        y[: 2 * scene.hold.translates] += 1e9  # far away no digits are lost
+        y[: 2 * scene.boundary_condition.translates] += 1e9  # far away no digits are lost
         np.testing.assert_array_equal(model.inertia(y, p), near)
-        motion = Piece(model, p, y)
+        motion = MotionSlice(model, p, y)
         for name, due in (("inertia_x", x), ("inertia_y", y_), ("product_xy", xy)):
             assert motion.values(name) == pytest.approx(due, rel=1e-12, abs=1e-12), name
         angle = float(motion.values("principal_angle"))
@@ -98,14 +98,14 @@ def test_velocities_of_the_tail_and_of_the_centre(boundary: str, away: float) ->
     scene = _scene(boundary)
     model = build(scene, "numpy")
     y = np.random.default_rng(5).normal(size=len(model.STATE))
-    base, half = 2 * scene.hold.translates, len(y) // 2
+    base, half = 2 * scene.boundary_condition.translates, len(y) // 2
     y[:base] += away
     moved = y[half : half + base] if base else np.zeros(2)
     masses, _, speeds = _points(scene, y)
-    omega = np.append(np.zeros(scene.hold.first), y[half + base :])
-    phi = np.append(np.full(scene.hold.first, 0.3), y[base:half])
+    omega = np.append(np.zeros(scene.boundary_condition.first), y[half + base :])
+    phi = np.append(np.full(scene.boundary_condition.first, 0.3), y[base:half])
     tail = L / LINKS * np.array([-omega @ np.sin(phi), omega @ np.cos(phi)])
-    motion = Piece(model, model.parameters(**scene.parameters), y)
+    motion = MotionSlice(model, model.parameters(**scene.parameters), y)
     # A difference over 1e-5 rad misses 1e-10/6 of the rates.
     np.testing.assert_allclose(motion.values("tip_velocity"), moved + tail, atol=1e-8)
     centre = moved + masses @ speeds / masses.sum()

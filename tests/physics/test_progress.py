@@ -15,7 +15,7 @@ import pytest
 import rodgen
 from rodgen import progress
 from rodgen.integrate import simulate as simulate_function
-from rodgen.progress import COMPILING, DERIVING, EMITTING, telling
+from rodgen.progress import COMPILING, DERIVING, EMITTING, report_stages_to
 from rodgen.scene import Structure
 from tests.sets import Make
 from tests.told import numbers
@@ -43,10 +43,10 @@ def _empty_cache(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
 @pytest.mark.usefixtures("_empty_cache")
 def test_a_module_tells_of_its_stages_once() -> None:
     structure, told = Structure(2, "pinned", terms=()), list[str]()
-    with telling(told.append):
+    with report_stages_to(told.append):
         rodgen.build(structure)
     assert told == [DERIVING, EMITTING]
-    with telling(told.append):
+    with report_stages_to(told.append):
         rodgen.build(structure)  # from the cache
     assert told == [DERIVING, EMITTING]
 
@@ -86,8 +86,8 @@ def _wait_for(terminal: _Terminal, text: str) -> None:
 
 
 def test_a_bar_tells_of_stages_and_of_time() -> None:
-    with _looked_at() as terminal, progress.running("swing", 0.0, 2.0) as update:
-        progress.tell(DERIVING)
+    with _looked_at() as terminal, progress.show_run("swing", 0.0, 2.0) as update:
+        progress.report_stage(DERIVING)
         _wait_for(terminal, DERIVING)
         update(1.0)
         _wait_for(terminal, "t = 1.000 s of 2 s")
@@ -114,7 +114,7 @@ def test_a_bar_in_a_notebook_is_one_output_that_goes_away(monkeypatch: pytest.Mo
     monkeypatch.setitem(sys.modules, "ipykernel", ModuleType("ipykernel"))
     monkeypatch.setattr(progress, "PATIENCE", 0.0)
     monkeypatch.setattr(progress, "TOLD", 0.0)
-    with redirect_stderr(io.StringIO()) as text, progress.running("<a>", 0.0, 2.0) as update:
+    with redirect_stderr(io.StringIO()) as text, progress.show_run("<a>", 0.0, 2.0) as update:
         for t in (0.5, 1.0):
             while len(seen) < 3 and not any(f"t = {t:.3f}" in one["text/plain"] for one in seen):
                 update(t)
@@ -140,15 +140,15 @@ def test_lines_where_there_is_no_bar(monkeypatch: pytest.MonkeyPatch) -> None:
     """Now and then, of what was done and what is left; none to whoever is told already."""
     monkeypatch.setattr(progress, "FIRST", 0.0)
     lines: list[str] = []
-    with progress.counting("map", 10, 2, lines.append) as count:
+    with progress.show_count("map", 10, 2, lines.append) as count:
         count(3, 1)
     progress.announce("a map", lines.append)
     assert len(lines) == 2
     assert numbers(lines[0])[:2] == [5, 10]
-    with telling(lambda _: None), progress.counting("map", 10, 2, lines.append) as count:
+    with report_stages_to(lambda _: None), progress.show_count("map", 10, 2, lines.append) as count:
         count(3, 1)
         progress.announce("a map", lines.append)
-    with _looked_at(), progress.counting("map", 10, 2, lines.append) as count:
+    with _looked_at(), progress.show_count("map", 10, 2, lines.append) as count:
         count(3, 1)
         progress.announce("a map", lines.append)
     assert len(lines) == 2
@@ -159,19 +159,19 @@ def test_lines_where_there_is_no_bar(monkeypatch: pytest.MonkeyPatch) -> None:
     [(3e-9, "3 ns"), (0.0421, "42.1 ms"), (90.0, "90 s"), (150.0, "2.5 min"), (9000.0, "2.5 h")],
 )
 def test_a_time_in_the_unit_that_suits_it(seconds: float, text: str) -> None:
-    assert progress.duration(seconds) == text
+    assert progress.format_duration(seconds) == text
 
 
 def test_a_bar_within_another_speaks_in_that() -> None:
     with _looked_at() as terminal:
-        with progress.working("outer") as outer:
+        with progress.show_work("outer") as outer:
             outer("first")
-            with progress.working("inner") as inner:
+            with progress.show_work("inner") as inner:
                 inner(DERIVING)
                 _wait_for(terminal, DERIVING)
-            with progress.running("run", 0.0, 1.0) as update:
+            with progress.show_run("run", 0.0, 1.0) as update:
                 update(0.5)
             _wait_for(terminal, "t = 0.500 s of 1 s")
-        assert progress._shows()  # again
+        assert progress._can_show_bar()  # again
     assert "inner" not in terminal.getvalue()
     assert "run" not in terminal.getvalue()

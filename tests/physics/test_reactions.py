@@ -9,7 +9,7 @@ import numpy as np
 
 import rodgen
 from rodgen import Scene
-from rodgen.integrate.catalogue import Piece
+from rodgen.integrate.quantity_formulas import MotionSlice
 from rodgen.model.rod import BOUNDARIES, INERTIAS
 from tests.palette import cases
 from tests.scene.tables import scene_of
@@ -47,10 +47,10 @@ class Links:
 
     def __init__(self, scene: Scene, y: np.ndarray, rates: np.ndarray):
         self.scene, self.n = scene, scene.rod.links
-        n, hold = self.n, scene.hold
-        half, base = len(y) // 2, 2 * hold.translates
-        zero = np.zeros(hold.first)
-        self.clamp = CLAMP if hold.clamped else 0.0
+        n, boundary_condition = self.n, scene.boundary_condition
+        half, base = len(y) // 2, 2 * boundary_condition.translates
+        zero = np.zeros(boundary_condition.first)
+        self.clamp = CLAMP if boundary_condition.is_clamped else 0.0
         self.phi = np.concatenate((zero + self.clamp, y[base:half]))
         self.omega = np.concatenate((zero, y[half + base :]))
         alpha = np.concatenate((zero, rates[half + base :]))
@@ -89,14 +89,14 @@ class Links:
             )
             total[link] -= np.array(one.stiffness) * (place - one.to)
             total[link] -= np.array(one.damping) * velocity
-        for link in range(self.scene.hold.first, self.n):
+        for link in range(self.scene.boundary_condition.first, self.n):
             for at in (link, link + 1):  # half a link at either end
                 total[link] += self._at_joint(at, link)
         return total
 
     def _at_joint(self, at: int, link: int) -> np.ndarray:
         """What a joint feels of the half of a link there: along the mean of those that meet."""
-        still = self.scene.hold.held and at == self.scene.hold.first
+        still = self.scene.boundary_condition.is_held and at == self.scene.boundary_condition.first
         near = [link] if still else [one for one in (at - 1, at) if 0 <= one < self.n]
         angle = self.phi[near].mean()
         e = np.array([np.cos(angle), np.sin(angle)])
@@ -119,7 +119,7 @@ class Links:
 def test_momentum_of_what_is_behind_a_joint(boundary: str, inertia: str) -> None:
     rod = {"links": 3, "length": L, "mass": M, "bending_stiffness": EI}
     rod |= {"boundary": boundary, "inertia": inertia}
-    rod |= {"clamp_angle": CLAMP} if BOUNDARIES[boundary].clamped else {}
+    rod |= {"clamp_angle": CLAMP} if BOUNDARIES[boundary].is_clamped else {}
     model = None
     for seed in range(15):
         rng = np.random.default_rng(seed)
@@ -132,13 +132,13 @@ def test_momentum_of_what_is_behind_a_joint(boundary: str, inertia: str) -> None
         y = rng.normal(size=len(model.STATE))
         links = Links(scene, y, model.rhs(0.3, y, p))
         beyond = links.forces() - links.momentum_rates()
-        expected = np.cumsum(beyond[::-1], axis=0)[::-1][scene.hold.first_force :]
-        piece = Piece(model, p, y, np.array(0.3))
+        expected = np.cumsum(beyond[::-1], axis=0)[::-1][scene.boundary_condition.first_force :]
+        piece = MotionSlice(model, p, y, np.array(0.3))
         sizes = np.abs(links.forces()).max() + np.abs(links.momentum_rates()).max()
         np.testing.assert_allclose(
             piece.values("joint_forces"), expected, rtol=0, atol=1e-12 * sizes
         )
-        if scene.hold.held:
+        if scene.boundary_condition.is_held:
             np.testing.assert_array_equal(
                 piece.values("reaction"), -piece.values("joint_forces")[0]
             )

@@ -10,7 +10,7 @@ from scipy.integrate import quad
 from scipy.optimize import brentq
 
 import rodgen
-from rodgen.check.module import check_module
+from rodgen.check.module_check import check_module
 from rodgen.emit.targets import FORMS
 from rodgen.errors import InputError
 from rodgen.loading import build

@@ -13,8 +13,8 @@ import rodgen
 from rodgen.arrays import Array
 from rodgen.errors import DoubtWarning
 from rodgen.integrate import RunError, stability
-from rodgen.integrate.methods.fixed_step import advance
-from rodgen.integrate.stability import LIMITS, Dominant, dominant, limit, step_doubt
+from rodgen.integrate.methods.fixed_step import explicit_step
+from rodgen.integrate.stability import LIMITS, Dominant, dominant, step_doubt, step_limit
 from rodgen.integrate.stepper import Rhs, StepError
 from rodgen.model.methods import TABLEAUX
 from rodgen.model.rod import BOUNDARIES, INERTIAS
@@ -24,7 +24,7 @@ from tests.sets import Make, sets
 from tests.told import numbers
 
 # Loads that ask nothing of joints or links one by one, and damping.
-DAMPED = tuple(t for t in TERMS if TERMS[t].loads and t not in ("distributed_follower", "drag"))
+DAMPED = tuple(t for t in TERMS if TERMS[t].is_load and t not in ("distributed_follower", "drag"))
 Advance = Callable[[Rhs, float, Array, Array, float], Array]
 VALUES = {
     "mass": 20.0,
@@ -116,9 +116,9 @@ def test_spectrum_of_very_many_states_by_few_products(
     y = np.zeros(len(model.STATE))
     exact, _ = _dense(model, y, p)
     monkeypatch.setattr(stability, "MANY", 100)
-    stability._kept.cache_clear()
+    stability._cached_dominant.cache_clear()
     found = dominant(model, 0.0, y, p)
-    stability._kept.cache_clear()
+    stability._cached_dominant.cache_clear()
     assert abs(found.value - exact) < 0.02 * abs(exact)  # of 60 links: 0.011; of more links, less
     assert found.evaluations < 40  # of 24 vectors, 150 and more
 
@@ -137,7 +137,7 @@ def test_spectrum_of_a_body_that_nothing_holds() -> None:
     found = dominant(model, 0.0, np.zeros(6), p)
     assert found.rate == 0
     assert found.damping == 0
-    assert all(limit(method, found.value, found.partner) == np.inf for method in LIMITS)
+    assert all(step_limit(method, found.value, found.partner) == np.inf for method in LIMITS)
 
 
 def test_spectrum_of_rates_that_are_not_finite() -> None:
@@ -169,13 +169,13 @@ def test_limits_of_an_oscillation_and_of_a_decay() -> None:
     for method, (swinging, decaying) in of.items():
         # The slack moves rk4's by 1e-9; others have as many digits as are given.
         digits = 1e-4 if method in ("dop853", "rk23", "rk45") else 1e-7
-        assert limit(method, 50j) * 50 == pytest.approx(swinging, abs=digits)
-        assert limit(method, -50 + 0j, 0j) * 50 == pytest.approx(decaying, abs=digits)
+        assert step_limit(method, 50j) * 50 == pytest.approx(swinging, abs=digits)
+        assert step_limit(method, -50 + 0j, 0j) * 50 == pytest.approx(decaying, abs=digits)
 
 
 def test_growing_motions_are_not_the_method() -> None:
-    assert limit("rk4", 3 + 0j) == np.inf
-    assert limit("rk4", 0.1 + 1j) == limit("rk4", 1j)
+    assert step_limit("rk4", 3 + 0j) == np.inf
+    assert step_limit("rk4", 0.1 + 1j) == step_limit("rk4", 1j)
 
 
 def _of_scipy(method: type[OdeSolver]) -> Advance:
@@ -192,7 +192,7 @@ def _of_scipy(method: type[OdeSolver]) -> Advance:
 
 
 ADVANCE: dict[str, Advance] = {
-    **{name: advance(tableau) for name, tableau in TABLEAUX.items()},
+    **{name: explicit_step(tableau) for name, tableau in TABLEAUX.items()},
     "dop853": _of_scipy(DOP853),
     "rk23": _of_scipy(RK23),
     "rk45": _of_scipy(RK45),
@@ -215,7 +215,7 @@ def test_limit_is_where_steps_begin_to_grow(method: str, damping: float) -> None
     """Of an oscillator of 20 rad/s with no, less, just, and more than critical damping."""
     J = np.array([[0.0, 1.0], [-400.0, -40.0 * damping]])
     value, partner = sorted(np.linalg.eigvals(J), key=lambda root: (-abs(root), -root.imag))
-    most = limit(method, complex(value), complex(partner))
+    most = step_limit(method, complex(value), complex(partner))
     radii = [_radius(ADVANCE[method], J, x * most) for x in (0.1, 0.3, 0.5, 0.7, 0.9, 0.999, 1.001)]
     # A double root, of critical damping, is known to the root of what a number is rounded to.
     assert max(radii[:-1]) < 1 + 1e-7 < radii[-1]
@@ -235,7 +235,7 @@ def test_warning_has_step_limit_and_rate() -> None:
     model, p = _model(20, "clamped", terms=("internal_damping",), internal_damping=0.2)
     y = np.zeros(len(model.STATE))
     found: Dominant = dominant(model, 0.0, y, p)
-    most = limit("rk4", found.value, found.partner)
+    most = step_limit("rk4", found.value, found.partner)
     assert step_doubt("rk4", 0.999 * most, 10.0, model, 0.0, y, p) is None
     assert step_doubt("radau", 1.0, 10.0, model, 0.0, y, p) is None
     told = step_doubt("rk4", 0.1, 10.0, model, 0.0, y, p)

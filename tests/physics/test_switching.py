@@ -11,12 +11,12 @@ import numpy as np
 import pytest
 
 import rodgen
-from rodgen.integrate.events import Switching
+from rodgen.integrate.events import SwitchProgress
 from rodgen.integrate.files import checkpoint
 from rodgen.integrate.files.saver import Saver
 from rodgen.integrate.stepper import ChatterError
 from rodgen.scene import Scene
-from rodgen.scene import course as course_of
+from rodgen.scene import time_laws as course_of
 from tests.palette import cases
 from tests.physics.live_runs import bar
 from tests.sets import sets
@@ -88,15 +88,15 @@ def test_a_run_that_is_put_down_anywhere_goes_on_to_the_same_bits(tmp_path: Path
 
         with pytest.MonkeyPatch.context() as patch:
             patch.setattr(Saver, "tick", tick)
-            patch.setattr("rodgen.integrate.methods.compiled.FIRST", 1)
-            patch.setattr("rodgen.integrate.methods.compiled.MOST", 1)
+            patch.setattr("rodgen.integrate.methods.compiled_integrator.FIRST", 1)
+            patch.setattr("rodgen.integrate.methods.compiled_integrator.MOST", 1)
             try:
                 rodgen.simulate(scene, target="c", out=out, checkpoint=1e9)
             except rodgen.Interrupted:
                 taken.append(stop)
             else:
                 break
-        assert checkpoint.beside(out).exists()
+        assert checkpoint.checkpoint_path(out).exists()
         assert (rodgen.resume(out).y == whole.y).all()
     assert len(taken) > 3
 
@@ -225,7 +225,7 @@ class Crossing:
     def crossings(self, t: np.ndarray, *_: Any) -> list[Any]:
         return [(0, 0, (float(t[0]), float(t[1])))]
 
-    def switching(self, number: int) -> bool:
+    def is_switch(self, number: int) -> bool:
         return number == 0
 
     def cause(self, number: int) -> str:
@@ -234,10 +234,10 @@ class Crossing:
 
 def test_a_law_that_jumps_a_thousand_times_on_a_thousandth_of_the_way_ends_the_run() -> None:
     watch: Any = Crossing("a law")
-    switching = Switching(10.0, 0.0)
+    switching = SwitchProgress(10.0, 0.0)
 
     def look(at: float) -> None:
-        switching.seen(watch, np.array([at, at + 1e-3]), np.empty((2, 0)), None)
+        switching.find_crossings(watch, np.array([at, at + 1e-3]), np.empty((2, 0)), None)
         switching.head_for({0: 1.0})
 
     for cut in range(1000):
@@ -250,10 +250,10 @@ def test_cuts_that_bring_nothing_pause_for_ever_longer() -> None:
     """Late in a stretch too, where what has been gone says nothing of how it goes on."""
 
     watch: Any = Crossing("")
-    switching, t, cuts, calm = Switching(10.0, 0.0, since=5.0), 5.0, 0, []
+    switching, t, cuts, calm = SwitchProgress(10.0, 0.0, since=5.0), 5.0, 0, []
     while t < 10.0:
         step = np.array([t, t + 1e-3])
-        if switching.seen(watch, step, step, None):
+        if switching.find_crossings(watch, step, step, None):
             assert cuts < 20_000
             switching.head_for({0: 1.0})
             switching.arrive(t + 1e-9)

@@ -29,7 +29,7 @@ def test_an_even_law_gives_the_springs_of_an_even_rod(form: Any) -> None:
         scene = _scene(boundary=boundary, bending_stiffness=form)
         inner = 100.0 * 5 / 2.0
         root = [2 * inner] if boundary == "clamped" else []
-        assert scene.structure.uneven == ("stiffness",)
+        assert scene.structure.nonuniform == ("stiffness",)
         wanted = [*root, *[inner] * 4]
         np.testing.assert_allclose(scene.parameters["joint_stiffness"], wanted, rtol=4e-16)
         assert "bending_stiffness" not in scene.parameters

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from rodgen.scene import Scene
-from rodgen.scene.contents import contents, in_words
+from rodgen.scene.model_contents import describe_loads, model_parts
 from tests.scene.tables import put, scene_of, table_of
 
 
@@ -50,7 +50,7 @@ def test_what_a_scene_holds_names_every_load_body_support_and_state() -> None:
         foundation={"stiffness": 8.0},
         states={"lag": {"rate": "-lag"}},
     )
-    present = {piece.piece: piece.reason for piece in contents(scene) if piece.present}
+    present = {piece.piece: piece.reason for piece in model_parts(scene) if piece.present}
     followers = ["follower", "follower 2", "follower 3"]
     assert [name for name in present if name.startswith("follower")] == followers
     for piece, *said in (
@@ -61,7 +61,7 @@ def test_what_a_scene_holds_names_every_load_body_support_and_state() -> None:
         *(("gravity",), ("body engine",), ("state lag",)),
     ):
         assert all(word in present[piece] for word in said)
-    assert in_words(scene) == [*followers, "gravity", "foundation", "2 supports", "state lag"]
+    assert describe_loads(scene) == [*followers, "gravity", "foundation", "2 supports", "state lag"]
 
 
 def test_break_points_of_all_forces_are_those_of_the_scene() -> None:
@@ -131,4 +131,4 @@ def test_numbers_of_masses_and_several_of_one_expression_are_changed() -> None:
     )
     assert changed.parameters | given == changed.parameters
     assert changed.structure == scene.structure
-    assert changed.distribution.body_mass == [8.0, 1.0]
+    assert changed.distribution.body_masses == [8.0, 1.0]

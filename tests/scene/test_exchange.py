@@ -13,10 +13,10 @@ import pytest
 
 import rodgen
 from rodgen.errors import Missing
-from rodgen.integrate.reductions import checked
+from rodgen.integrate.reductions import parse_all
 from rodgen.scene import Scene
-from rodgen.scene.examples import copies, example, examples
-from rodgen.scene.integration import Integrate, Settings
+from rodgen.scene.examples import copy_texts, examples, find_example
+from rodgen.scene.integration import IntegrationSettings, IntegrationTable
 from tests.scene.tables import ROD, table_of
 from tests.scene.tables import scene_of as scene
 from tests.told import refused
@@ -29,9 +29,9 @@ def test_an_example_copied_anywhere_is_the_same_scene(tmp_path: Path) -> None:
     path = tmp_path / "mine.toml"
     for name in examples():
         given = Scene.example(name)
-        assert given == Scene.from_toml(example(name))
+        assert given == Scene.from_toml(find_example(name))
         assert given.name == name
-        path.write_text(copies(example(name), "mine")["mine.toml"], encoding="utf-8")
+        path.write_text(copy_texts(find_example(name), "mine")["mine.toml"], encoding="utf-8")
         assert Scene.from_toml(path) == given.replace({"name": "mine"})
         path.write_text(given.to_toml(), encoding="utf-8")
         again = Scene.from_toml(path)
@@ -125,8 +125,8 @@ def test_lists_and_dictionaries_of_a_scene_do_not_change() -> None:
 def test_keywords_of_integration_are_in_signatures() -> None:
     """Notebooks and editors complete what they find there."""
     for function in (rodgen.simulate, rodgen.simulate_many, Scene.with_integrate):
-        assert set(inspect.signature(function).parameters) >= set(Integrate.model_fields)
-    assert set(Settings.__annotations__) == set(Integrate.model_fields)
+        assert set(inspect.signature(function).parameters) >= set(IntegrationTable.model_fields)
+    assert set(IntegrationSettings.__annotations__) == set(IntegrationTable.model_fields)
 
 
 def test_equal_scenes_have_one_hash() -> None:
@@ -157,7 +157,7 @@ def test_of_a_misspelt_name_the_nearest_is_told() -> None:
         ("tip_x", given.replace, watched),
         ("missile", Scene.example, "missil"),
         ("follower", given.value_of, "loads.followr.force"),
-        ("tip_x", checked, ["last(tipx)"], ["tip_y", "tip_x"]),
+        ("tip_x", parse_all, ["last(tipx)"], ["tip_y", "tip_x"]),
     ):
         assert near in refused(make, *of).allowed.rpartition(";")[2]
     # Where nothing is near, nothing is told.

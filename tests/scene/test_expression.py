@@ -7,8 +7,8 @@ import math
 import numpy as np
 import pytest
 
-from rodgen.scene.expression import Expression, parsed
-from rodgen.scene.zeros import SEEN, onsets
+from rodgen.scene.expression import Expression, parse_expression
+from rodgen.scene.zeros import SEEN, find_pulses
 from tests.told import refused
 
 VALUES = [
@@ -115,11 +115,11 @@ def test_slopes_are_differences() -> None:
         *("min(t, 1 - t, 0.45)", "max(t**2, 1 - t, 0.5)", "t if t < 0.5 else 3*t"),
         "interp(t, [0, 0.4, 1], [1, 3, 2], 'cubic')",
     ):
-        law, h = parsed(text, "t", "mass", (), ("s",)), 2.0**-18
+        law, h = parse_expression(text, "t", "mass", (), ("s",)), 2.0**-18
         for t in (0.21, 0.48, 0.77):
-            ends = [float(law.value(np.asarray(t + at), {"s": 0.0})) for at in (-h, h)]
+            ends = [float(law.evaluate(np.asarray(t + at), {"s": 0.0})) for at in (-h, h)]
             # h^2 of the third derivative, and rounding over h.
-            slope = float(law.slope(np.asarray(t), {"s": 0.0}))
+            slope = float(law.derivative(np.asarray(t), {"s": 0.0}))
             assert slope == pytest.approx((ends[1] - ends[0]) / (2 * h), rel=1e-7, abs=1e-9)
 
 
@@ -132,7 +132,7 @@ def test_pulse_after_a_rest() -> None:
     """exp(-x^2) is above a thousandth within |x| < sqrt(ln 1000) = 2.63; slow tails may be cut."""
     for middle, width in ((7.3, 0.01), (2.0, 1e-3), (0.05, 1e-3)):
         pulse = Expression(f"-3*exp(-((t - {middle})/{width})**2)", "t")
-        ((begin, peak, end),) = onsets(pulse, 0.0, 10.0)
+        ((begin, peak, end),) = find_pulses(pulse, 0.0, 10.0)
         assert middle - 3 * width < begin < middle - width
         assert middle + width < end < middle + 3 * width
         assert peak == pytest.approx(middle, abs=2 * CELL + width / 10)
@@ -140,12 +140,12 @@ def test_pulse_after_a_rest() -> None:
 
 def test_what_moves_all_the_time_has_none() -> None:
     for load in ("7", "sin(t)", "sin(200*t)", "300*min(t/0.5, 1)", "t**2", "1.5*sin(t)**2", "1/t"):
-        assert onsets(Expression(load, "t"), 0.0, 10.0) == ()
+        assert find_pulses(Expression(load, "t"), 0.0, 10.0) == ()
 
 
 def test_two_pulses_and_a_switch() -> None:
     load = Expression("exp(-((t - 3)*100)**2) + exp(-((t - 6)*100)**2) + tanh((t - 8)*1e9)", "t")
-    peaks = [peak for _, peak, _ in onsets(load, 0.0, 10.0)]
+    peaks = [peak for _, peak, _ in find_pulses(load, 0.0, 10.0)]
     np.testing.assert_allclose(peaks, [3.0, 6.0, 8.0], rtol=0, atol=2e-3)
 
 
@@ -165,7 +165,7 @@ def test_pulses_are_a_matter_of_what_changes() -> None:
         (f"{BUMP}/(g - 3)**2 if t < 0 else {BUMP}", 1.0, 0.0),
     ):
         whole = Expression(text, "t", numbers=(("g", 3.0),))
-        core, *found = whole.affine()
+        core, *found = whole.split_affine()
         assert found == pytest.approx([a, b], abs=1e-15)
         times = np.linspace(0.0, 10.0, 101)
         np.testing.assert_allclose(a * core(times) + b, whole(times), rtol=1e-15, atol=1e-15)
@@ -174,8 +174,10 @@ def test_pulses_are_a_matter_of_what_changes() -> None:
 
 def test_a_swing_is_one_beside_the_whole_load() -> None:
     """A ripple that is smaller than a millionth of the load from sample to sample is none."""
-    assert Expression("2*sin(50*t)", "t").swing(0.0, 10.0) == pytest.approx(np.pi / 50, rel=0.1)
-    assert Expression("300 + 1e-5*sin(50*t)", "t").swing(0.0, 10.0) == np.inf
+    assert Expression("2*sin(50*t)", "t").half_period(0.0, 10.0) == pytest.approx(
+        np.pi / 50, rel=0.1
+    )
+    assert Expression("300 + 1e-5*sin(50*t)", "t").half_period(0.0, 10.0) == np.inf
 
 
 def test_other_values_of_the_numbers_are_checked_and_leave_the_first_alone() -> None:

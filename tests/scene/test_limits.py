@@ -11,8 +11,8 @@ from typing import Any
 import numpy as np
 
 from rodgen.scene import Scene
-from rodgen.scene.grammar.syntax import BRACKETS, MOST_CHOICES
-from rodgen.scene.plain import DEEPEST, LARGEST, LONGEST, MOST_KEYS, MOST_VALUES
+from rodgen.scene.grammar.syntax_tree import BRACKETS, MOST_CHOICES
+from rodgen.scene.plain_tables import DEEPEST, LARGEST, LONGEST, MOST_KEYS, MOST_VALUES
 from rodgen.scene.tables import MOST_TABLES
 from tests.scene.tables import ROD, scene_of, table_of
 from tests.scene.tables import TOML as HEAD

@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from rodgen import memory
-from rodgen.memory import check_memory, limit
+from rodgen.memory import check_memory, memory_limit
 from tests.told import refused
 
 MEGABYTE = 1e6
@@ -35,21 +35,21 @@ def test_the_least_of_what_limits_it_counts(
     monkeypatch.setattr(memory, "OWN_GROUPS", tmp_path / "cgroup")
     none = (resource.RLIM_INFINITY, resource.RLIM_INFINITY)
     monkeypatch.setattr(resource, "getrlimit", lambda _: none)
-    assert limit() == 2**31
+    assert memory_limit() == 2**31
     (tmp_path / "memory.max").write_text("max\n")
-    assert limit() == 2**31
+    assert memory_limit() == 2**31
     (tmp_path / "memory.max").write_text(f"{2**31}\n")
-    assert limit() == 2**30
+    assert memory_limit() == 2**30
     job = tmp_path / "batch" / "job"
     job.mkdir(parents=True)
     (tmp_path / "cgroup").write_text("1:name=systemd:/other\n0::/batch/job/step\n")
     (job / "memory.max").write_text(f"{2**30}\n")
-    assert limit() == 2**29
+    assert memory_limit() == 2**29
     (tmp_path / "memory" / "old").mkdir(parents=True)
     (tmp_path / "cgroup").write_text("4:cpu,memory:/old\n")
     (tmp_path / "memory" / "old" / "memory.limit_in_bytes").write_text(f"{2**29}\n")
-    assert limit() == 2**28
+    assert memory_limit() == 2**28
     monkeypatch.setattr(resource, "getrlimit", lambda _: (2**28, 2**40))
-    assert limit() == 2**27
+    assert memory_limit() == 2**27
     monkeypatch.setenv(memory.SET, "64")
-    assert limit() == 64e9
+    assert memory_limit() == 64e9

@@ -9,7 +9,7 @@ import pytest
 
 from rodgen.model.rod import BOUNDARIES
 from rodgen.scene import Scene
-from rodgen.scene.mesh import mesh_notes, unlike_damping
+from rodgen.scene.mesh import find_unlike_damping, mesh_notes
 from tests.told import numbers, refused
 
 ROD = {"links": 4, "length": 2.0, "bending_stiffness": 3.0, "mass": 5.0}
@@ -94,10 +94,10 @@ def test_what_is_given_link_by_link_is_refused() -> None:
 
 def test_damping_that_was_not_converted_is_found() -> None:
     one = _scene(INSIDE | FINS)
-    assert unlike_damping([one, *(one.with_links(n) for n in (3, 8, 20))]) == []
+    assert find_unlike_damping([one, *(one.with_links(n) for n in (3, 8, 20))]) == []
     tables = one.model_dump(exclude_none=True)
     tables["rod"]["links"] = 8
-    assert unlike_damping([one, Scene.from_dict(tables)]) == [
+    assert find_unlike_damping([one, Scene.from_dict(tables)]) == [
         "loads.internal_damping.coefficient",
         "loads.external_damping.fin_factor.nose",
         "loads.external_damping.fin_factor.tail",

@@ -12,7 +12,7 @@ from scipy.interpolate import PchipInterpolator
 
 from rodgen.scene import Scene
 from rodgen.scene.expression import Expression, open_expression
-from rodgen.scene.literals import literals, with_literal
+from rodgen.scene.literals import literals, replace_literal
 from tests.scene.tables import TOML, scene_of
 from tests.told import refused
 
@@ -31,7 +31,7 @@ def test_every_number_but_a_whole_exponent_gets_a_name() -> None:
         ("sin(2*pi*t)", {"f_1": 2.0}),
     ):
         expression = Expression(text, "t")
-        named, found = expression.parametrised("f")
+        named, found = expression.with_parameters("f")
         assert found == values
         t = np.linspace(0.1, 5, 50)
         again = open_expression(named, "t").with_values(found)
@@ -246,14 +246,14 @@ def test_literals_are_the_numbers_that_a_module_has_as_parameters() -> None:
 
     def read(text: str) -> tuple[str, dict[str, float]]:
         made = Expression(text, "t", numbers=(("a", 2.0),), states=("gimbal",))
-        return made.parametrised("force")
+        return made.with_parameters("force")
 
     for text in TEXTS[:3] + TEXTS[4:]:
         code, named = read(text)
         named.pop("a", None)
         assert [one.value for one in literals(text)] == list(named.values())
         for at in range(len(named)):
-            other, values = read(with_literal(text, at, 0.125, "force"))
+            other, values = read(replace_literal(text, at, 0.125, "force"))
             assert other == code
             assert values == values | named | {f"force_{at + 1}": 0.125}
 
@@ -263,8 +263,8 @@ def test_numbers_of_tables_have_their_signs() -> None:
     found = literals(TEXTS[3])
     assert [one.value for one in found] == [0.0, -1.5, 2.0, 1.0, -3.0, 5.0]
     assert [one.signed for one in found] == [True] * 5 + [False]
-    assert with_literal(TEXTS[3], 1, 0.5, "force").startswith("interp(t, [0, 0.5, 2], ")
-    assert refused(with_literal, "2**t", 0, -2.5, "force").field == "force"
+    assert replace_literal(TEXTS[3], 1, 0.5, "force").startswith("interp(t, [0, 0.5, 2], ")
+    assert refused(replace_literal, "2**t", 0, -2.5, "force").field == "force"
 
 
 def test_amplitude_is_what_all_that_changes_is_multiplied_by() -> None:
@@ -283,5 +283,5 @@ def test_places_are_told_by_the_text_around_them() -> None:
     """Which stays what it is when other numbers change."""
     before = [one.around for one in literals(TEXTS[0])]
     assert before == ["□*min(t/·, ·)", "·*min(t/□, ·)", "·*min(t/·, □)"]
-    assert before == [one.around for one in literals(with_literal(TEXTS[0], 1, 2.75, ""))]
+    assert before == [one.around for one in literals(replace_literal(TEXTS[0], 1, 2.75, ""))]
     assert literals("1 + 1 + 1 + 1 + 1 + 1 + 1 + 1 + t")[-1].around == "…· + · + · + □ + t"

@@ -130,8 +130,8 @@ def test_initial_state_is_in_the_order_of_the_contract() -> None:
 def test_samples_start_and_end_with_the_span() -> None:
     for every, expected in ((0.25, [0, 0.25, 0.5, 0.75, 1]), (0.4, [0, 0.4, 0.8, 1]), (7, [0, 1])):
         scene = scene_of(integrate={"span": [0, 1], "output_every": every})
-        np.testing.assert_allclose(scene.integrate.samples, expected, atol=1e-15)
-        assert scene.integrate.samples[-1] == 1.0
+        np.testing.assert_allclose(scene.integrate.sample_times, expected, atol=1e-15)
+        assert scene.integrate.sample_times[-1] == 1.0
 
 
 numbers = st.floats(1e-6, 1e6)
@@ -140,7 +140,7 @@ forces = st.floats(-1e6, 1e6) | st.sampled_from(["7*2", "sin(t)", "t if t < 1 el
 
 def test_a_scene_and_a_module_allow_the_same_values(make_scene: Callable[..., Scene]) -> None:
     """A scene refuses what `parameters` of a module refuses, and takes the rest."""
-    loads = tuple(name for name, term in TERMS.items() if term.loads)
+    loads = tuple(name for name, term in TERMS.items() if term.is_load)
     given = make_scene(5, "clamped", loads).to_dict()
     for (name, (table, *keys)), value in product(PLACES.items(), (-1.0, 0.0, 1e-9, 1.0)):
         parameter, scene = PARAMETERS[name], copy.deepcopy(given)
@@ -150,7 +150,7 @@ def test_a_scene_and_a_module_allow_the_same_values(make_scene: Callable[..., Sc
         else:
             inner[parameter.key][parameter.part] = value
         allowed = value > 0 if parameter.rule == POSITIVE else value >= 0
-        if allowed or parameter.signed:
+        if allowed or parameter.is_signed:
             # What differs along the rod is a mean over every link.
             np.testing.assert_allclose(Scene.from_dict(scene).parameters[name], value, rtol=4e-16)
         else:

@@ -5,12 +5,12 @@ from __future__ import annotations
 from itertools import product
 
 from rodgen.emit.targets import check_output
-from rodgen.model.rod import BOUNDARIES, STEADY, UNEVEN
+from rodgen.model.rod import BOUNDARIES, NONUNIFORM, STEADY
 from rodgen.model.terms import PARAMETERS, PLACES, TERMS, THESIS_TERMS
 from rodgen.scene.structure import Structure, parse_terms
 from tests.told import refused
 
-DIFFERING = {one.name for way in UNEVEN.values() for one in way.parameters} | {
+DIFFERING = {one.name for way in NONUNIFORM.values() for one in way.parameters} | {
     one.name for one in STEADY.values()
 }
 
@@ -26,7 +26,7 @@ def test_every_parameter_has_its_place_in_p_and_in_a_scene() -> None:
             *("material_damping_time", "foundation_angle", "support_angle"),
             *("drag_normal", "drag_tangential", "wind_x", "wind_y"),
             *("fin_factor", "distributed_follower", "foundation_stiffness", "foundation_damping"),
-            *(one.name for one in TERMS["supports"].parameters if one.several),
+            *(one.name for one in TERMS["supports"].parameters if one.is_array),
         )
     )  # modules, files and programs in C rely on the order
     computed = ("foundation_", "support_")
@@ -76,10 +76,10 @@ def test_modules_that_differ_in_an_expression_differ_in_name() -> None:
 
 
 def test_what_cannot_be_written_or_move_is_refused() -> None:
-    for boundary, hold in BOUNDARIES.items():
-        for links in (-3, 0, hold.least_links - 1):
+    for boundary, boundary_condition in BOUNDARIES.items():
+        for links in (-3, 0, boundary_condition.min_links - 1):
             assert refused(Structure, links, boundary)[:2] == ("links", links)
-        assert Structure(hold.least_links, boundary).stem.isidentifier()
+        assert Structure(boundary_condition.min_links, boundary).stem.isidentifier()
     for target, form, field, value in (
         ("fortran", "chain", "target", "fortran"),
         ("numpy", "sparse", "form", "sparse"),

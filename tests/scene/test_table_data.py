@@ -12,17 +12,19 @@ from scipy.interpolate import PchipInterpolator
 
 import rodgen
 from rodgen.scene import Scene
-from rodgen.scene.contents import contents
 from rodgen.scene.expression import Expression
 from rodgen.scene.grammar import TableData
 from rodgen.scene.lookup_table import MOST_ROWS
+from rodgen.scene.model_contents import model_parts
 from rodgen.system import System
 from tests.scene.tables import TOML, scene_of
 from tests.told import refused
 
 T = np.linspace(0.0, 2.0, 20_001)
 SINE = {"knots": T.tolist(), "values": np.sin(3 * T).tolist()}
-UNEVEN = np.concatenate(([-1.0], np.geomspace(1e-6, 3.0, 999)))  # guesses by even spacing are wrong
+NONUNIFORM = np.concatenate(
+    ([-1.0], np.geomspace(1e-6, 3.0, 999))
+)  # guesses by even spacing are wrong
 FORCE = "interp(t, 'f')"
 
 
@@ -38,10 +40,10 @@ def test_a_table_is_one_parameter_whose_numbers_are_in_no_text() -> None:
     name, other = "follower_force_table_1", "follower_force_table_2"
     assert structure.tables == ((name, 20_001), (other, 20_001))
     assert len(dict(structure.expressions)["follower_force"]) < 100
-    assert structure.places[name] == slice(5, 5 + 2 * 20_001)
+    assert structure.slices[name] == slice(5, 5 + 2 * 20_001)
     module = rodgen.build(made, "numpy")
     p = module.parameters(**made.parameters)
-    np.testing.assert_array_equal(p[structure.places[other]], [*T, *np.sin(3 * T)])
+    np.testing.assert_array_equal(p[structure.slices[other]], [*T, *np.sin(3 * T)])
     assert {name: 20_001, other: 20_001} == module.TABLES
 
 
@@ -77,7 +79,7 @@ def test_numbers_of_a_file_are_read_once_and_named_by_it(tmp_path: Path) -> None
         (tmp_path / name).unlink()
     (tmp_path / "a.toml").write_text(made.to_toml(), encoding="utf-8")
     assert Scene.from_toml(tmp_path / "a.toml") == made
-    rows = {one.piece: one.reason for one in contents(made)}
+    rows = {one.piece: one.reason for one in model_parts(made)}
     assert "2 rows" in rows["table a.csv:m"]
     assert "'a.csv'" in rows["follower"]
 
@@ -90,7 +92,7 @@ def test_a_long_file_is_a_table(tmp_path: Path, monkeypatch: pytest.MonkeyPatch)
     table = Scene.from_toml(tmp_path / "a.toml").tables["a.csv"]
     assert len(table) == 20_001
     np.testing.assert_allclose(table.values, T**2, atol=1e-6)  # as it is written
-    monkeypatch.setattr("rodgen.scene.files.MOST_ROWS", 20_000)
+    monkeypatch.setattr("rodgen.scene.scene_files.MOST_ROWS", 20_000)
     found = refused(Scene.from_toml, tmp_path / "a.toml")
     assert (found.field, found.value) == ("loads.follower.force", "a.csv")
 
@@ -135,23 +137,25 @@ def test_values_of_a_module_are_checked() -> None:
 @pytest.mark.parametrize("kind", ["linear", "cubic"])
 def test_every_target_finds_values_and_slopes(target: str, kind: str) -> None:
     """At knots, between and outside of them: of SciPy, and slopes by its derivative."""
-    values = np.sin(40 * UNEVEN) + np.round(UNEVEN, 1)
-    table = {"knots": UNEVEN.tolist(), "values": values.tolist()}
+    values = np.sin(40 * NONUNIFORM) + np.round(NONUNIFORM, 1)
+    table = {"knots": NONUNIFORM.tolist(), "values": values.tolist()}
     states = {"a": {"rate": f"interp(a, 'f', '{kind}')"}}
     module = rodgen.build(scene("1.0", table, states=states), target)
     p = module.parameters(**scene("1.0", table, states=states).parameters)
     draw = np.random.default_rng(1)
-    inside = draw.choice(UNEVEN[:-1], 300) * draw.uniform(1.0, 1.003, 300)
+    inside = draw.choice(NONUNIFORM[:-1], 300) * draw.uniform(1.0, 1.003, 300)
     inside[:4] = -0.9, -0.1, 2.96, 2.99  # in the first part and in the last
-    x = np.concatenate((inside, UNEVEN[::7], [-5.0, -1.0, 3.0, 9.0]))
-    cubic = PchipInterpolator(UNEVEN, values)
-    due = cubic(np.clip(x, -1.0, 3.0)) if kind == "cubic" else np.interp(x, UNEVEN, values)
+    x = np.concatenate((inside, NONUNIFORM[::7], [-5.0, -1.0, 3.0, 9.0]))
+    cubic = PchipInterpolator(NONUNIFORM, values)
+    due = cubic(np.clip(x, -1.0, 3.0)) if kind == "cubic" else np.interp(x, NONUNIFORM, values)
     found = [module.rhs(0.0, np.array([0.1, 0.2, at]), p)[2] for at in x]
     # Two forms of one polynomial: some roundings of the largest value.
     np.testing.assert_allclose(found, due, atol=2e-14 * np.abs(values).max())
-    at = np.searchsorted(UNEVEN, inside, side="right") - 1
+    at = np.searchsorted(NONUNIFORM, inside, side="right") - 1
     due = (
-        (np.diff(values) / np.diff(UNEVEN))[at] if kind == "linear" else cubic.derivative()(inside)
+        (np.diff(values) / np.diff(NONUNIFORM))[at]
+        if kind == "linear"
+        else cubic.derivative()(inside)
     )
     slopes = [module.jac(0.0, np.array([0.1, 0.2, at]), p)[2, 2] for at in inside]
     np.testing.assert_allclose(slopes, due, atol=1e-11 * np.abs(due).max())

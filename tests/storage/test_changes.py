@@ -39,7 +39,7 @@ def changed(samples: Make) -> Callable[..., tuple[Solution, list[Solution]]]:
                 table["rod"]["clamp_angle"] = 0.1 * k
             table["loads"]["gravity"]["g"] = 9.81 / (1 + k)
             table["loads"]["external_damping"]["fin_factor"]["tail"] = 5.0 + k
-            part = sol.taken(slice(first, last))
+            part = sol.isel(slice(first, last))
             part.system, part.model = System(Scene.from_dict(table)), sol.model
             pieces.append(part)
         p = [sol.model.parameters(**piece.scene.parameters) for piece in pieces]
@@ -87,9 +87,9 @@ def test_other_readers_see_what_held(changed: Make, tmp_path: Path) -> None:
     # Of some samples, too.
     kept = np.array([0, 69, 70, 71, 199])
     stored = Excerpt(tmp_path / "run.nc")
-    np.testing.assert_array_equal(stored.at(kept).energy.total, energies[kept])
-    np.testing.assert_array_equal(sol.taken(kept).energy.total, energies[kept])
-    np.testing.assert_array_equal(sol.until(100).energy.total, energies[:100])
+    np.testing.assert_array_equal(stored.read(kept).energy.total, energies[kept])
+    np.testing.assert_array_equal(sol.isel(kept).energy.total, energies[kept])
+    np.testing.assert_array_equal(sol.head(100).energy.total, energies[:100])
     few = rodgen.load(tmp_path / "run.nc", most=3)
     np.testing.assert_array_equal(few.energy.total, energies[[0, 100, 199]])
 
@@ -106,11 +106,11 @@ def test_changes_grow_in_blocks_and_are_due(
     Stream.create(path, *parts, changed=True).close()
     for first, last in ((0, 50), (50, 71), (71, 200)):
         with Stream.reopen(path, sol.model) as file:
-            part = sol.taken(slice(first, last))
+            part = sol.isel(slice(first, last))
             with pytest.raises(ValueError, match="shapes"):
                 file.append(part.t, part.y, part.work)
             file.append(part.t, part.y, part.work, part.changes)
-            file.note("finished", "", sol.stats)
+            file.write_status("finished", "", sol.stats)
     assert path.read_bytes() == (tmp_path / "at_once.nc").read_bytes()
     with Stream.create(tmp_path / "plain.nc", *parts) as file:
         with pytest.raises(ValueError, match="shapes"):

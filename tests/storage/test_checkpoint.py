@@ -30,7 +30,7 @@ NUMBERS: dict[str, Any] = {
 
 
 def test_comes_back_as_it_was(tmp_path: Path) -> None:
-    path = checkpoint.beside(tmp_path / "run.nc")
+    path = checkpoint.checkpoint_path(tmp_path / "run.nc")
     assert path.name == "run.nc.checkpoint"
     for _ in range(2):  # the second takes the place of the first
         checkpoint.write(path, ARRAYS, NUMBERS)

@@ -37,7 +37,7 @@ def whole(samples: Make, tmp_path: Path) -> Callable[..., tuple[Path, Stream, An
             if ended:
                 file.finish("finished", "well", STATS)
             else:
-                file.note("running", "", STATS)
+                file.write_status("running", "", STATS)
         return path, file, given
 
     return make
@@ -151,7 +151,7 @@ def test_damage_is_named_and_the_rest_is_had(whole: Make, samples: Make, tmp_pat
         assert part.status == ("finished" if due else "interrupted")
         some = Excerpt(path, strict=False)
         assert some.notes
-        np.testing.assert_array_equal(some.at(np.array([0, 3])).y, given.y[good][[0, 3]])
+        np.testing.assert_array_equal(some.read(np.array([0, 3])).y, given.y[good][[0, 3]])
         with pytest.warns(FileWarning):
             assert len(rodgen.load(path, most=2, strict=False).t) == 2
 

@@ -47,7 +47,7 @@ def test_cut_off_in_every_write(
             try:
                 given.append(file, 0, 5)
                 file.add_event(0, given.t[3], given.y[3])
-                file.note("running", "a note", NO_STATS)
+                file.write_status("running", "a note", NO_STATS)
                 given.append(file, 5, 12)
                 file.add_event(1, given.t[9], given.y[9])
                 file.truncate(8, 1)

@@ -15,7 +15,7 @@ from scipy.io import netcdf_file
 
 import rodgen
 from rodgen.integrate.files import netcdf, stream
-from rodgen.integrate.files.checksums import Run
+from rodgen.integrate.files.checksums import RunState
 from rodgen.integrate.files.stream import Stream
 from rodgen.model.terms import TERMS, THESIS_TERMS
 from tests.storage.conftest import STATS
@@ -145,9 +145,9 @@ def test_text_of_the_run_changes_in_place(samples: Make, tmp_path: Path) -> None
         assert (at % netcdf.PAGE, of_run.size) == (0, netcdf.PAGE)
         long = 'a "quoted"\n \u00fc \U0001f680 ' * 1000
         for message in ("", "so far so good", long, long[:3000]):
-            file.note("failed", message, STATS)
+            file.write_status("failed", message, STATS)
             after = path.read_bytes()
-            run = Run.of(after[at : at + netcdf.PAGE], path)
+            run = RunState.of(after[at : at + netcdf.PAGE], path)
             assert (run.status, run.stats) == ("failed", STATS)
             assert message.startswith(run.message)
             assert run.message == message or len(run.message) > 1000
@@ -187,7 +187,7 @@ def test_what_does_not_fit_is_refused_before(
     assert told[:2] == ("events", 10**8)
     # Each has a number, a time and its states: what netCDF counts ends at 2^31 bytes.
     assert max(told.numbers) == pytest.approx(2**31 / (8 * len(given.y[0])), rel=1e-6)
-    monkeypatch.setattr("rodgen.integrate.files.layout.MOST", 100)
+    monkeypatch.setattr("rodgen.integrate.files.file_layout.MOST", 100)
     assert refused(given.create, path)[:2] == ("rod.links", 2)
     monkeypatch.undo()
     assert refused(given.create, tmp_path / "none" / "run.nc").value

@@ -62,12 +62,12 @@ def scheduler() -> Iterator[Any]:
     import dask
     import distributed
 
-    from rodgen.studies.cluster import SETTINGS, _as_no_script, _quiet
+    from rodgen.studies.cluster import SETTINGS, _hide_main_script, _silence_dask
 
     with (
         dask.config.set(SETTINGS),
-        _quiet(),
-        _as_no_script(),
+        _silence_dask(),
+        _hide_main_script(),
         distributed.LocalCluster(
             n_workers=2,
             threads_per_worker=1,

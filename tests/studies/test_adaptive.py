@@ -11,8 +11,8 @@ import pytest
 import rodgen
 from rodgen import InputError
 from rodgen.studies import adaptive
-from rodgen.studies.block import evaluate
-from rodgen.studies.points import points
+from rodgen.studies.point_results import evaluate
+from rodgen.studies.sampling import points_at
 from rodgen.studies.study import Study
 from tests.studies.conftest import BECK, scene
 
@@ -32,7 +32,7 @@ def stability(rows: int, columns: int, **more: Any) -> Study:
 def refined(study: Study, of: Values, *how: Any) -> tuple[Array, list[list[int]]]:
     """Which points are computed, and in which rounds."""
     asked, known = list[list[int]](), np.zeros(study.count, dtype=bool)
-    steps = adaptive.rounds(study, *how)
+    steps = adaptive.refinement_rounds(study, *how)
     values = None
     while True:
         try:
@@ -98,7 +98,7 @@ def test_the_border_of_stability_is_the_critical_force() -> None:
     study = stability(71, 3)
 
     def of(flat: Array) -> dict[str, Array]:
-        return evaluate(study, points(study, flat.tolist()), flat).arrays
+        return evaluate(study, points_at(study, flat.tolist()), flat).arrays
 
     known, _ = refined(study, of)
     forces, times = (np.array(axis.values) for axis in study.axes)
@@ -118,4 +118,4 @@ def test_what_cannot_be_refined() -> None:
     ):
         study = Study.of(scene(BECK), vary, what="modes", keep=["stable", "largest_growth"])
         with pytest.raises(InputError):
-            next(adaptive.rounds(study, *how))
+            next(adaptive.refinement_rounds(study, *how))

@@ -11,11 +11,11 @@ import pytest
 
 import rodgen
 from rodgen import InputError, Scene, Solution
-from rodgen.analyse.fourier import peaks_of
+from rodgen.analyse.spectrum import find_peaks
 from rodgen.errors import AnalysisError
-from rodgen.studies import point_batch, runs, task
-from rodgen.studies.block import evaluate
-from rodgen.studies.points import points
+from rodgen.studies import point_batch, point_runs, task
+from rodgen.studies.point_results import evaluate
+from rodgen.studies.sampling import points_at
 from rodgen.studies.study import Study
 from rodgen.system import System
 from tests.studies.conftest import BECK, PENDULUM, scene
@@ -28,7 +28,7 @@ KEEP = ["last(tip_x)", "max(phi_2)", "rms(omega_0, from=0.5)", "time_of_max(kine
 def computed(study: Study, indices: Any = None) -> dict[str, np.ndarray]:
     """What a study keeps of its points."""
     at = range(study.count) if indices is None else indices
-    return evaluate(study, points(study, at), at).arrays
+    return evaluate(study, points_at(study, at), at).arrays
 
 
 def same(a: dict[str, np.ndarray], b: dict[str, np.ndarray], at: Any = slice(None)) -> None:
@@ -55,7 +55,7 @@ def test_numbers_are_what_runs_of_their_scenes_give(grid: Study) -> None:
     found = computed(grid)
     assert (found["status"] == "finished").all()
     for at in range(0, grid.count, 5):
-        sol = rodgen.simulate(grid.scene_at(points(grid, [at])[0]), target="c")
+        sol = rodgen.simulate(grid.scene_at(points_at(grid, [at])[0]), target="c")
         late = sol.t >= 0.5
         expected = {
             "last(tip_x)": sol.tip[-1, 0],
@@ -83,8 +83,8 @@ def test_what_has_a_slot_is_what_a_scene_makes_of_it(grid: Study) -> None:
     bodies = [{"name": "tip", "at": 1.0, "mass": 1.0, "offset": [0.1, 0.0]}]
     other = Study.of(scene(PENDULUM, bodies=bodies), {"rod.length": [1.0, 2.0]}, keep="last(tip_x)")
     assert point_batch.slot_names(other) == ()
-    every = points(grid, range(grid.count))
-    (_, members), *_ = point_batch.groups(every, ["integrate.rtol"])
+    every = points_at(grid, range(grid.count))
+    (_, members), *_ = point_batch.group_by(every, ["integrate.rtol"])
     share = point_batch.PointBatch.of(grid, every[0], names)
     assert share is not None
     p, y, taken = share.rows([every[at] for at in members])
@@ -169,7 +169,7 @@ def test_events_sections_peaks_and_functions() -> None:
     phi = sol.phi[:, 0]
     assert found["count(up)"][1] == ((phi[:-1] < -1) & (phi[1:] >= -1)).sum() > 0
     late = sol.t >= 0.5
-    peak = peaks_of(sol.t[late], phi[late], peaks=1)
+    peak = find_peaks(sol.t[late], phi[late], peaks=1)
     assert found[f"{PEAK}.frequency"][1] == peak.frequencies[0]
     assert found[f"{PEAK}.amplitude"][1] == peak.amplitudes[0]
     assert found["angle"][1] == phi[-1]
@@ -183,23 +183,23 @@ def test_auto_finds_the_method_of_every_point(monkeypatch: pytest.MonkeyPatch) -
     table = scene(PENDULUM, integrate={"method": "auto"})
     alike = Study.of(table, {"initial.phi": [0.1, 0.2, 0.3, 0.4, 0.5]}, keep=["last(tip_x)"])
     asked: list[Any] = []
-    monkeypatch.setattr(runs, "choose_from", lambda *given: asked.append(given))
+    monkeypatch.setattr(point_runs, "choose_from", lambda *given: asked.append(given))
     every = computed(alike)
     assert set(every["method"]) == {"dop853"}
     assert not asked
     monkeypatch.undo()
-    runs._method.cache_clear()
+    point_runs._common_method.cache_clear()
     same(every, computed(alike, [3]), [3])
     stiff = Scene.from_dict(DAMPED | {"integrate": {"span": [0.0, 400.0]}})
     apart = Study.of(stiff, {TIME: [0.0, 1e-3, 0.1, 3.0]}, keep=["last(tip_y)"])
     due = [
         rodgen.choose(one := apart.scene_at(point), rodgen.build(one)).method
-        for point in points(apart, range(apart.count))
+        for point in points_at(apart, range(apart.count))
     ]
     every = computed(apart)
     assert every["method"].tolist() == due
     assert len(set(due)) > 1
-    runs._method.cache_clear()
+    point_runs._common_method.cache_clear()
     same(every, computed(apart, [3, 1]), [3, 1])
 
 
@@ -208,15 +208,15 @@ def test_doubts_of_runs_are_counted(together: bool, monkeypatch: pytest.MonkeyPa
     """Angles of more than a turn at the start, in lanes and one by one, and nobody is warned."""
     study = Study.of(scene(PENDULUM), {"initial.phi": [0.1, 7.0, 40.0]}, keep=["last(tip_x)"])
     if not together:
-        monkeypatch.setattr(runs, "_together", _by_themselves)
+        monkeypatch.setattr(point_runs, "_run_together", _by_themselves)
     with warnings.catch_warnings():
         warnings.simplefilter("error", rodgen.DoubtWarning)
-        found = task.computed(study, [0, 1, 2])
+        found = task.compute_points(study, [0, 1, 2])
     assert found["doubts"].tolist() == [0, 1, 1]
 
 
 def _by_themselves(study: Study, given: Any, made: Any, wanted: Any) -> None:
-    runs._one_by_one(study, given, range(len(given)), made, wanted)
+    point_runs._run_one_by_one(study, given, range(len(given)), made, wanted)
 
 
 def test_a_study_tells_how_many_points_are_doubtful() -> None:
@@ -314,7 +314,7 @@ def test_analyses_are_those_of_their_scenes(analysis: tuple[Any, ...]) -> None:
     found = computed(study)
     failed = found["status"] == "failed"
     assert failed.sum() == failures
-    for at, point in enumerate(points(study, range(study.count))):
+    for at, point in enumerate(points_at(study, range(study.count))):
         if failed[at]:
             with pytest.raises((InputError, AnalysisError)) as refused:
                 alone(study.scene_at(point), **options)

@@ -7,10 +7,10 @@ from typing import Any
 import numpy as np
 import pytest
 
-from rodgen.studies import runs
-from rodgen.studies.block_arrays import Made
-from rodgen.studies.keep import kept, variables
-from rodgen.studies.points import points
+from rodgen.studies import point_runs
+from rodgen.studies.kept_quantities import run_quantities, variables
+from rodgen.studies.point_arrays import PointArrays
+from rodgen.studies.sampling import points_at
 from rodgen.studies.study import Study
 from tests.studies.conftest import PENDULUM, scene
 from tests.studies.test_block import computed, same
@@ -46,9 +46,9 @@ def study(keep: list[str], *events: dict[str, Any], **integrate: Any) -> Study:
 
 def one_by_one(of: Study) -> dict[str, np.ndarray]:
     """All points by `simulate`."""
-    every, made = points(of, range(of.count)), Made(variables(of), of.count)
+    every, made = points_at(of, range(of.count)), PointArrays(variables(of), of.count)
     with np.errstate(all="ignore"):
-        runs._one_by_one(of, every, range(of.count), made, kept(of))
+        point_runs._run_one_by_one(of, every, range(of.count), made, run_quantities(of))
     return made.arrays
 
 
@@ -68,7 +68,7 @@ def test_crossings_are_those_of_runs_one_by_one(
     """To the tolerance of the run; velocities of points are differences, of 1e-10 of their size."""
     table = study(keep, *events, **integrate)
     expected = one_by_one(table)
-    monkeypatch.setattr(runs, "simulate", None)  # so that it is not asked
+    monkeypatch.setattr(point_runs, "simulate", None)  # so that it is not asked
     found = computed(table)
     assert {*found} == {*expected}
     assert (found["status"] == "finished").all()
@@ -97,7 +97,7 @@ def test_neighbours_and_order_do_not_matter(monkeypatch: pytest.MonkeyPatch) -> 
     order = np.random.default_rng(1).permutation(table.count).tolist()
     same(every, computed(table, order), order)
     same(every, computed(table, [7]), [7])
-    monkeypatch.setattr(runs, "MOST_CROSSED", 20_000)
+    monkeypatch.setattr(point_runs, "MOST_CROSSED", 20_000)
     same(every, computed(table))
 
 

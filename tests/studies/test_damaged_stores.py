@@ -14,9 +14,9 @@ import pytest
 import xarray as xr
 
 from rodgen import InputError, Study, StudyError
-from rodgen.studies.engine import run
-from rodgen.studies.store import Store, read
-from rodgen.studies.tally import tally
+from rodgen.studies.counts import count_points
+from rodgen.studies.engine import run_study
+from rodgen.studies.store import StudyStore, read_store
 from tests.studies.conftest import PENDULUM, assert_same, scene
 from tests.told import refused
 
@@ -41,8 +41,8 @@ STUDIES = {"grid": GRID, "sample": SAMPLE}
 def computed(request: Any, tmp_path_factory: pytest.TempPathFactory) -> tuple[Study, Path]:
     """A study of five blocks, and its store."""
     path = tmp_path_factory.mktemp("computed") / "a.zarr"
-    Store.make(path, STUDIES[request.param], 4)
-    run(STUDIES[request.param], path, workers=1, resume=True)
+    StudyStore.create(path, STUDIES[request.param], 4)
+    run_study(STUDIES[request.param], path, workers=1, resume=True)
     return STUDIES[request.param], path
 
 
@@ -103,8 +103,8 @@ def points_of(study: Study, path: Path, data: xr.Dataset, again: bool) -> int | 
     the test."""
     try:
         if again:
-            run(study, path, workers=1, resume=True)
-        return there(read(path), data)
+            run_study(study, path, workers=1, resume=True)
+        return there(read_store(path), data)
     except InputError as error:
         return f"{error}" if error.value == str(path) else f"{error}\nanother value"
     except StudyError as error:
@@ -114,7 +114,7 @@ def points_of(study: Study, path: Path, data: xr.Dataset, again: bool) -> int | 
 def held(copied: Callable[[], Path], whole: tuple[Study, Path], count: int, seed: int) -> int:
     """How many damaged stores are refused when they are read; the others are right, and all are
     gone on with to the same numbers, or refused."""
-    study, data = whole[0], read(whole[1])
+    study, data = whole[0], read_store(whole[1])
     told = 0
     for path, name in damaged(copied, count, seed):
         for again in (False, True):
@@ -143,12 +143,12 @@ def test_each_file_is_checked_and_named(copied: Callable[[], Path]) -> None:
     for file in files(path):
         name, content = file.relative_to(path).as_posix(), file.read_bytes()
         flip(file, 0.5)
-        assert f" ({name} " in refused(read, path).allowed
+        assert f" ({name} " in refused(read_store, path).allowed
         if name.startswith(("status/c/", "seconds/c/")):
-            assert f" ({name} " in refused(tally, path).allowed
+            assert f" ({name} " in refused(count_points, path).allowed
         file.unlink()
         if name != "zarr.json" and not name.startswith("status/c/"):  # no store, a block not done
-            assert f" ({name} " in refused(read, path).allowed
+            assert f" ({name} " in refused(read_store, path).allowed
         file.write_bytes(content)
 
 
@@ -162,12 +162,12 @@ def test_a_block_that_is_not_as_it_was_written_is_computed_again(
     file = sorted(one for one in (path / name / "c").rglob("*") if one.is_file())[1]
     if is_missing:
         file.unlink()
-        assert (~Store.of(path, study).done()).nonzero()[0].tolist() == [1]
+        assert (~StudyStore.of(path, study).done_blocks()).nonzero()[0].tolist() == [1]
     else:
         flip(file, 0.3)
-    run(study, path, workers=1, resume=True)
-    assert_same(read(path), read(whole))
-    same = read(path).seconds.values == read(whole).seconds.values
+    run_study(study, path, workers=1, resume=True)
+    assert_same(read_store(path), read_store(whole))
+    same = read_store(path).seconds.values == read_store(whole).seconds.values
     assert same.sum() == 16
 
 
@@ -179,13 +179,13 @@ def test_stores_without_checksums_are_read(copied: Callable[[], Path], computed:
     for name in ("checksums", "sha256"):
         del group["attributes"][name]
     (path / "zarr.json").write_text(json.dumps(group))
-    assert there(read(path), read(computed[1])) == 20
-    assert refused(run, computed[0], path, workers=1, resume=True).value == str(path)
+    assert there(read_store(path), read_store(computed[1])) == 20
+    assert refused(run_study, computed[0], path, workers=1, resume=True).value == str(path)
 
 
 def test_an_axis_is_there_before_any_block(tmp_path: Path) -> None:
     path = tmp_path / "a.zarr"
-    Store.make(path, GRID, 4)
-    assert (read(path).status == "").all()
+    StudyStore.create(path, GRID, 4)
+    assert (read_store(path).status == "").all()
     (path / "parameters.A" / "c" / "0").unlink()
-    assert refused(read, path).value == str(path)
+    assert refused(read_store, path).value == str(path)

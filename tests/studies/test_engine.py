@@ -12,15 +12,15 @@ import numpy as np
 import pytest
 
 from rodgen.integrate import Solution
-from rodgen.studies import here, task
-from rodgen.studies.engine import run
-from rodgen.studies.here import Here
-from rodgen.studies.store import read
+from rodgen.studies import local, task
+from rodgen.studies.engine import run_study
+from rodgen.studies.local import LocalWorker
+from rodgen.studies.store import read_store
 from rodgen.studies.study import Study
 from tests.studies.conftest import PENDULUM, scene
 
 SHORT = scene(PENDULUM, integrate={"span": [0.0, 0.1]})
-pytestmark = pytest.mark.skipif(not here.FORKS, reason="nothing is forked here")
+pytestmark = pytest.mark.skipif(not local.FORKS, reason="nothing is forked here")
 
 
 def study(keep: Any) -> Study:
@@ -32,13 +32,13 @@ def test_a_short_study_starts_no_workers(tmp_path: Path, monkeypatch: pytest.Mon
         raise AssertionError("workers are started")
 
     monkeypatch.setattr("rodgen.studies.cluster.Cluster", no_cluster)
-    monkeypatch.setattr(here, "SOON", 600.0)  # in which a busy machine compiles, too
-    monkeypatch.setattr(here, "PAYS", 600.0)
-    run(study("last(phi_1)"), tmp_path / "short.zarr")
-    assert (read(tmp_path / "short.zarr")["status"] == "finished").all()
-    monkeypatch.setattr(here, "PAYS", 0.0)
+    monkeypatch.setattr(local, "SOON", 600.0)  # in which a busy machine compiles, too
+    monkeypatch.setattr(local, "PAYS", 600.0)
+    run_study(study("last(phi_1)"), tmp_path / "short.zarr")
+    assert (read_store(tmp_path / "short.zarr")["status"] == "finished").all()
+    monkeypatch.setattr(local, "PAYS", 0.0)
     with pytest.raises(AssertionError, match="workers are started"):
-        run(study("last(phi_1)"), tmp_path / "long.zarr")
+        run_study(study("last(phi_1)"), tmp_path / "long.zarr")
     assert not (tmp_path / "long.zarr").exists()
 
 
@@ -47,9 +47,9 @@ def test_a_point_that_takes_long_is_not_waited_for(monkeypatch: pytest.MonkeyPat
         sleep(600)
         return 0.0
 
-    monkeypatch.setattr(here, "SOON", 0.2)
+    monkeypatch.setattr(local, "SOON", 0.2)
     start = monotonic()
-    with Here() as one:
+    with LocalWorker() as one:
         assert not one.is_enough(study(slow))
     assert monotonic() - start < 300  # of 600 s that one point takes
 
@@ -61,12 +61,14 @@ def test_how_long_a_point_takes_does_not_depend_on_who_shares_the_processor(
     many = Study.of(SHORT, {"parameters.A": np.arange(24.0)}, keep="last(phi_1)")
     for beside, taken in ((1, 0.01), (10, 0.01), (100, 1.0)):
         done: list[int] = []
-        monkeypatch.setattr(task, "computed", lambda study, at, done=done: done.append(len(at)))
+        monkeypatch.setattr(
+            task, "compute_points", lambda study, at, done=done: done.append(len(at))
+        )
         monkeypatch.setattr(task, "process_time", lambda done=done: 0.01 * sum(done))
         monkeypatch.setattr(
             task, "perf_counter", lambda done=done, beside=beside: 0.01 * sum(done) * beside
         )
-        assert task.timed(many) == pytest.approx(taken)
+        assert task.time_point(many) == pytest.approx(taken)
 
 
 PROGRAM = """

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from rodgen.studies.keep import variables
+from rodgen.studies.kept_quantities import variables
 from rodgen.studies.study import Study
 from tests.studies.conftest import BECK, PENDULUM, scene
 from tests.told import refused

@@ -15,8 +15,8 @@ import pytest
 
 import rodgen
 from rodgen import Study
-from rodgen.studies.engine import run
-from rodgen.studies.store import read
+from rodgen.studies.engine import run_study
+from rodgen.studies.store import read_store
 from tests.studies.conftest import PENDULUM, assert_same, study_file
 from tests.studies.test_workers import in_blocks, study_of
 
@@ -47,11 +47,11 @@ def test_a_client_that_is_killed_is_followed_by_another(tmp_path: Path) -> None:
     study = study_of(slow)
     path = in_blocks(tmp_path / "a.zarr", study, 2)
     assert client(path, LAST="13").wait(timeout=600) == -signal.SIGKILL
-    before = read(path)
+    before = read_store(path)
     there = before.status.values == "finished"
     assert there.sum() == 12  # six blocks of two
-    run(study, path, workers=1, resume=True)
-    after = read(path)
+    run_study(study, path, workers=1, resume=True)
+    after = read_store(path)
     assert_same(after, rodgen.study(study, workers=1))
     np.testing.assert_array_equal(after.seconds.values[there], before.seconds.values[there])
 
@@ -61,7 +61,7 @@ def test_two_clients_do_not_harm_each_other(tmp_path: Path) -> None:
     path = in_blocks(tmp_path / "a.zarr", study, 1)
     both = [client(path, PAUSE="0.05") for _ in range(2)]
     assert [one.wait(timeout=600) for one in both] == [0, 0]
-    assert_same(read(path), rodgen.study(study, workers=1))
+    assert_same(read_store(path), rodgen.study(study, workers=1))
 
 
 @pytest.fixture
@@ -116,9 +116,9 @@ def test_the_death_of_a_scheduler_ends_in_one_line(file: Path, tmp_path: Path) -
     assert "--resume" in err
     assert err.count("\n") == 1
     path = file.parent / "swings" / "study.zarr"
-    assert 6 <= (read(path).status.values == "finished").sum() < 40
-    run(Study.from_toml(file), path, workers=1, resume=True)
-    assert_same(read(path), rodgen.study(Study.from_toml(file), workers=1))
+    assert 6 <= (read_store(path).status.values == "finished").sum() < 40
+    run_study(Study.from_toml(file), path, workers=1, resume=True)
+    assert_same(read_store(path), rodgen.study(Study.from_toml(file), workers=1))
 
 
 @pytest.mark.parametrize(
@@ -146,11 +146,11 @@ def test_a_signal_keeps_what_is_marked_and_ends_the_workers(
     psutil.wait_procs(children, timeout=20)
     assert not [one for one in children if one.is_running()]
     path = file.parent / "swings" / "study.zarr"
-    assert 6 <= (read(path).status.values == "finished").sum() < 40
+    assert 6 <= (read_store(path).status.values == "finished").sum() < 40
     again = command(file, "--workers", 1)
     _out, err = again.communicate(timeout=600)
     assert again.returncode == 0, err
-    assert_same(read(path), rodgen.study(Study.from_toml(file), workers=1))
+    assert_same(read_store(path), rodgen.study(Study.from_toml(file), workers=1))
 
 
 def test_the_death_of_python_s_tracker_is_not_told(file: Path) -> None:

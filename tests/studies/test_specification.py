@@ -12,8 +12,8 @@ import tomli_w
 
 import rodgen
 from rodgen import InputError, Study
-from rodgen.studies.block import evaluate
-from rodgen.studies.points import points
+from rodgen.studies.point_results import evaluate
+from rodgen.studies.sampling import points_at
 from tests.cli.conftest import names
 from tests.studies.conftest import BECK, PENDULUM, scene
 from tests.told import refused
@@ -50,9 +50,9 @@ def test_a_file_and_python_give_the_same_study(file: Path) -> None:
     own = rodgen.Scene.from_toml(file.with_name("beck.toml"))
     assert study == Study.of(own, vary, what="modes", keep=["frequencies"])
     assert study.shape == (4, 4)
-    listed = [point["loads.follower.force"] for point in points(study, range(0, 16, 4))]
+    listed = [point["loads.follower.force"] for point in points_at(study, range(0, 16, 4))]
     np.testing.assert_array_equal(listed, np.linspace(5, 60, 4))
-    times = [point["loads.material_damping.time"] for point in points(study, range(4))]
+    times = [point["loads.material_damping.time"] for point in points_at(study, range(4))]
     np.testing.assert_allclose(times, [1e-4, 1e-3, 1e-2, 1e-1], rtol=1e-15)
 
 
@@ -80,7 +80,7 @@ def test_any_number_of_a_scene_can_be_varied() -> None:
     }
     for key, value, of_scene in VARIED:
         study = of({key: [value]}, {**BECK, **more})
-        assert of_scene(study.scene_at(points(study, [0])[0])) == value, key
+        assert of_scene(study.scene_at(points_at(study, [0])[0])) == value, key
 
 
 LINE = {"bounds": [1, 2], "count": 2}
@@ -192,7 +192,7 @@ def test_points_of_a_study(name: str) -> None:
     study = Study.from_toml(FOLDER / f"{name}.toml")
     assert study.name == name
     some = [0, study.count // 2, study.count - 1]
-    found = evaluate(study, points(study, some), some).arrays
+    found = evaluate(study, points_at(study, some), some).arrays
     assert found["status"].tolist() == ["finished"] * 3
     for kept in study.keep:
         assert isinstance(kept, str)

@@ -12,9 +12,9 @@ from typing import Any
 import psutil
 import pytest
 
-from rodgen.studies.alone import apart
 from rodgen.studies.cluster import Cluster
-from rodgen.studies.worker import SAFE_PATH
+from rodgen.studies.isolated import compute_in_process
+from rodgen.studies.worker_tasks import SAFE_PATH
 from tests.studies.test_workers import study_of
 
 pytestmark = pytest.mark.slow
@@ -114,6 +114,6 @@ def test_nothing_is_imported_from_the_folder_of_a_start(
     with Cluster(1) as workers:
         assert workers.client.submit(os.getcwd).result() == str(tmp_path)
     study = study_of()
-    assert apart(study, [0])["status"].tolist() == ["finished"]
+    assert compute_in_process(study, [0])["status"].tolist() == ["finished"]
     assert not (tmp_path / "flag").exists()
     assert os.environ.get(SAFE_PATH) == before

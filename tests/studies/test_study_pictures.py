@@ -10,8 +10,8 @@ import pytest
 import xarray
 from matplotlib.figure import Figure
 
-from rodgen.show import pictures, study_pictures, study_results
-from rodgen.show.study_results import Results
+from rodgen.show import run_pictures, study_pictures, study_results
+from rodgen.show.study_results import StudyResults
 
 SECTION = "section(tip_y, where='tip_x', rising=0)"
 AXES = {
@@ -25,7 +25,7 @@ AXES = {
 @pytest.fixture(autouse=True)
 def coarse(monkeypatch: pytest.MonkeyPatch) -> None:
     """Pictures of few dots, which take no time."""
-    monkeypatch.setattr(pictures, "DOTS_PER_INCH", 40)
+    monkeypatch.setattr(run_pictures, "DOTS_PER_INCH", 40)
 
 
 def dataset(names: tuple[str, ...], **more: Any) -> xarray.Dataset:
@@ -58,7 +58,7 @@ def test_pictures_of_a_grid(tmp_path: Path) -> None:
     ):
         data = dataset(tuple(AXES)[:count])
         text = {one: data[one].astype(np.dtypes.StringDType()) for one in ("status", "kind")}
-        made = study_pictures.draw(data.assign(text), tmp_path)
+        made = study_pictures.save_study_pictures(data.assign(text), tmp_path)
         assert {path.stem for path in made} == expected
         assert all(path.read_bytes().startswith(b"\x89PNG") for path in made)
 
@@ -67,9 +67,9 @@ def test_of_too_many_points_some_are_shown(monkeypatch: pytest.MonkeyPatch) -> N
     """Every fourth along the longer axis, and the title says that there are more."""
     names = tuple(AXES)[1:3]
     whole = dataset(names)
-    assert Results.thinned(whole).dataset is whole
+    assert StudyResults.subsample(whole).dataset is whole
     monkeypatch.setattr(study_results, "MOST_SHOWN", 6)
-    shown = Results.thinned(whole)
+    shown = StudyResults.subsample(whole)
     assert shown.status.shape == (2, 3)
     assert "4" in shown.title.split()
     np.testing.assert_array_equal(shown.dataset["last(tip_x)"], whole["last(tip_x)"].values[::4])
@@ -81,7 +81,7 @@ def test_a_sample_is_a_scatter_matrix(tmp_path: Path) -> None:
     x, status = np.linspace(1, 2, count), np.full(count, "finished")
     data = {"max(phi_0)": ("point", x**2), "status": ("point", status)}
     coords = {"rod.length": ("point", x), "rod.mass": ("point", x[::-1])}
-    (made,) = study_pictures.draw(xarray.Dataset(data, coords), tmp_path)
+    (made,) = study_pictures.save_study_pictures(xarray.Dataset(data, coords), tmp_path)
     assert made.name == "scatter.png"
 
 
@@ -93,15 +93,15 @@ def of_lines(figure: Figure, marker: str) -> np.ndarray:
 
 def test_what_is_drawn_is_what_there_is() -> None:
     """The curve without the failed point, and that one as a cross; all crossings."""
-    of = Results(dataset(("rod.length",)))
-    figure = study_pictures.curve(of, "last(tip_x)")
+    of = StudyResults(dataset(("rod.length",)))
+    figure = study_pictures.curve_plot(of, "last(tip_x)")
     drawn = of_lines(figure, ".")
     np.testing.assert_allclose(drawn[:, 0], AXES["rod.length"])
     np.testing.assert_array_equal(drawn[:, 1], [0, np.nan, 2, 3, 4, 5])
     np.testing.assert_allclose(of_lines(figure, "x")[:, 0], AXES["rod.length"][1])
     assert figure.axes[0].get_xscale() == "log"
     assert figure.axes[0].get_ylabel() == "last(tip_x) [m]"
-    points = of_lines(study_pictures.bifurcation(of, SECTION), ".")
+    points = of_lines(study_pictures.bifurcation_plot(of, SECTION), ".")
     assert sorted(points[:, 1]) == [-5, -4, -3, -2, 0, 0, 2, 3, 4, 5]
 
 
@@ -111,7 +111,7 @@ def test_a_map_shows_the_points_that_were_computed() -> None:
     data = dataset(names)
     status = np.full((6, 5), "", dtype=object)
     status[::2, ::2] = "finished"
-    figure = study_pictures.map_of(Results(data.assign(status=(names, status))), "stable")
+    figure = study_pictures.map_plot(StudyResults(data.assign(status=(names, status))), "stable")
     drawn = of_lines(figure, ".")
     assert len(drawn) == 9
     assert {*drawn[:, 0]} == {0.0, 0.5, 1.0}
@@ -130,8 +130,8 @@ def test_periods_of_sections_are_told_apart() -> None:
     values[1, 0] = rng.random(600)
     values[1, 1, :4] = [0.2, 0.2004, 0.7, 0.2002]
     values[1, 2, 0] = 1e6
-    found = study_pictures.distinct(values)
+    found = study_pictures.count_distinct(values)
     assert found[0].tolist() == [0, 1, 3]
     assert found[1, 0] > 100
     assert found[1, 1:].tolist() == [2, 1]
-    assert study_pictures.distinct(np.full((2, 3), np.nan)).tolist() == [0, 0]
+    assert study_pictures.count_distinct(np.full((2, 3), np.nan)).tolist() == [0, 0]

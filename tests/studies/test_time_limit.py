@@ -12,11 +12,11 @@ import pytest
 
 import rodgen
 from rodgen import Study
-from rodgen.studies import runs, time_limit
-from rodgen.studies.engine import run
-from rodgen.studies.store import read
-from rodgen.studies.tally import tally
-from rodgen.studies.time_limit import TooLong
+from rodgen.studies import point_runs, time_limit
+from rodgen.studies.counts import count_points
+from rodgen.studies.engine import run_study
+from rodgen.studies.store import read_store
+from rodgen.studies.time_limit import TimeLimitExceeded
 from rodgen.system import System
 from tests.studies.conftest import PENDULUM
 from tests.told import refused
@@ -53,28 +53,28 @@ def _study(keep: Any, limit: float | None = LIMIT) -> Study:
 def test_a_point_that_never_ends_is_left(tmp_path: Path) -> None:
     """And is counted, and not computed again by --resume."""
     study, path = _study(patient), tmp_path / "a.zarr"
-    run(study, path, workers=1)
-    found = read(path).load()
+    run_study(study, path, workers=1)
+    found = read_store(path).load()
     assert found.status.values.tolist() == ["finished", "finished", "too long", "finished"]
     np.testing.assert_array_equal(found["patient"], [1.0, 2.0, np.nan, 4.0])
     assert f"{LIMIT:g} s" in found.message.values[2]
-    counted = tally(path)
+    counted = count_points(path)
     assert (counted.computed, counted.failed, counted.too_long) == (4, 0, 1)
     begin = time.perf_counter()
-    run(study, path, workers=1, resume=True)
+    run_study(study, path, workers=1, resume=True)
     assert time.perf_counter() - begin < LIMIT
 
 
 @pytest.mark.slow
 def test_an_analysis_that_never_ends_is_left(monkeypatch: pytest.MonkeyPatch) -> None:
-    analysed = rodgen.studies.analyses.analysed
+    analysed = rodgen.studies.point_analyses.analyse
 
     def slow(what: str, system: System, *given: Any) -> Any:
         if system.value_of("parameters.A") == HANGS:
             _hang(600.0)
         return analysed(what, system, *given)
 
-    monkeypatch.setattr("rodgen.studies.analyses.analysed", slow)
+    monkeypatch.setattr("rodgen.studies.point_analyses.analyse", slow)
     rodgen.static_equilibrium(SCENE)  # whose module takes longer to be made than a point may
     vary = {"parameters.A": [1.0, HANGS]}
     found = rodgen.study(SCENE, vary, what="static", time_limit=LIMIT, workers=1)
@@ -86,7 +86,7 @@ def test_runs_side_by_side_that_take_too_long_are_done_one_by_one(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     whole = rodgen.study(_study("last(phi_0)", None), workers=1)
-    monkeypatch.setattr(runs, "watched_many", lambda *_, **__: _hang(600.0))
+    monkeypatch.setattr(point_runs, "simulate_rods", lambda *_, **__: _hang(600.0))
     found = rodgen.study(_study("last(phi_0)", 0.5), workers=1)
     assert set(found.status.values.tolist()) == {"finished"}
     name = "last(phi_0)"
@@ -102,7 +102,7 @@ def test_nothing_comes_late() -> None:
                 # Long before, about then, and beyond the time for which a thread keeps others out.
                 _busy((0.0, 1e-3, 6e-3, 2e-2)[at % 4])
             ends["in time"] += 1
-        except TooLong:
+        except TimeLimitExceeded:
             ends["too long"] += 1
         _busy(1e-3)
     assert sum(ends.values()) == 120
@@ -128,12 +128,12 @@ def test_the_time_for_making_a_module_is_given_once(monkeypatch: pytest.MonkeyPa
     monkeypatch.setattr(time_limit, "_known", set())
     for making in (0.01, 1e6):
         monkeypatch.setattr(time_limit, "MAKING", making)
-        with pytest.raises(TooLong), time_limit.time_limit(0.01, SCENE):
+        with pytest.raises(TimeLimitExceeded), time_limit.time_limit(0.01, SCENE):
             _hang(600.0)
 
 
 def test_a_store_with_a_limit_is_of_another_study(tmp_path: Path) -> None:
     path = tmp_path / "a.zarr"
     keep = "max(phi_0)"
-    run(_study(keep), path, workers=1)
-    assert refused(run, _study(keep, None), path, workers=1, resume=True).field == "store"
+    run_study(_study(keep), path, workers=1)
+    assert refused(run_study, _study(keep, None), path, workers=1, resume=True).field == "store"

@@ -14,9 +14,9 @@ import pytest
 
 import rodgen
 from rodgen import InputError, Study, StudyError
-from rodgen.studies.engine import run
-from rodgen.studies.here import FORKS
-from rodgen.studies.store import Store, read
+from rodgen.studies.engine import run_study
+from rodgen.studies.local import FORKS
+from rodgen.studies.store import StudyStore, read_store
 from tests.studies.conftest import PENDULUM, assert_same, scene
 from tests.told import refused
 
@@ -31,7 +31,7 @@ def study_of(function: Callable[[Any], float] | None = None, keep: str = "max(ph
 
 
 def in_blocks(path: Path, study: Study, size: int) -> Path:
-    Store.make(path, study, size)
+    StudyStore.create(path, study, size)
     return path
 
 
@@ -50,8 +50,8 @@ def fatal(*at: float) -> Callable[[Any], float]:
 @pytest.mark.slow
 def test_workers_and_blocks_leave_the_bits_alone(tmp_path: Path, scheduler: Any) -> None:
     path = in_blocks(tmp_path / "a.zarr", study_of(), 5)
-    run(study_of(), path, scheduler=scheduler.scheduler_address, resume=True)
-    assert_same(read(path), rodgen.study(study_of(), workers=1))
+    run_study(study_of(), path, scheduler=scheduler.scheduler_address, resume=True)
+    assert_same(read_store(path), rodgen.study(study_of(), workers=1))
 
 
 @pytest.mark.nightly
@@ -69,9 +69,9 @@ def test_a_worker_that_is_killed_is_replaced(tmp_path: Path, scheduler: Any) -> 
 
     study = study_of(mortal)
     path = in_blocks(tmp_path / "a.zarr", study, 2)
-    run(study, path, scheduler=scheduler.scheduler_address, resume=True)
+    run_study(study, path, scheduler=scheduler.scheduler_address, resume=True)
     assert len(list(flags.glob("*.0"))) == 3  # killed they were
-    assert_same(read(path), rodgen.study(study, workers=1))
+    assert_same(read_store(path), rodgen.study(study, workers=1))
 
 
 @pytest.mark.nightly
@@ -79,7 +79,7 @@ def test_a_point_that_kills_its_worker_is_recorded(tmp_path: Path, scheduler: An
     """And the others of its block, and those beside it, are what they are without it."""
     study = study_of(fatal(7.0))
     path = in_blocks(tmp_path / "a.zarr", study, 6)
-    run(study, path, scheduler=scheduler.scheduler_address, resume=True)
+    run_study(study, path, scheduler=scheduler.scheduler_address, resume=True)
     _recorded(path, 7)
 
 
@@ -88,13 +88,13 @@ def test_a_point_that_kills_its_worker_is_recorded(tmp_path: Path, scheduler: An
 def test_a_single_worker_survives_a_point_that_kills_its_process(tmp_path: Path) -> None:
     """It kills it twice, is recorded and all others are computed; also where it is the one by which
     the time of a point is found."""
-    run(study_of(fatal(3.0, POINTS // 2)), tmp_path / "a.zarr", workers=1)
+    run_study(study_of(fatal(3.0, POINTS // 2)), tmp_path / "a.zarr", workers=1)
     _recorded(tmp_path / "a.zarr", 3, POINTS // 2)
 
 
 def _recorded(path: Path, *at: int) -> None:
     """These points failed, with the signal that ended their process; all others are there."""
-    data, bad = read(path), np.isin(np.arange(POINTS), at)
+    data, bad = read_store(path), np.isin(np.arange(POINTS), at)
     np.testing.assert_array_equal(data.status.values == "failed", bad)
     assert all("SIGKILL" in message for message in data.message.values[bad])
     assert np.isnan(data["max(phi_2)"].values[bad]).all()
@@ -118,7 +118,7 @@ def test_a_scheduler_that_does_not_answer_is_refused(
         "http://x:y",
         f"tls://{nobody}",
     ):
-        told = refused(run, study_of(), tmp_path / "a.zarr", scheduler=address)
+        told = refused(run_study, study_of(), tmp_path / "a.zarr", scheduler=address)
         assert told.field == "--scheduler"
     assert not list(tmp_path.iterdir())
 
@@ -128,13 +128,13 @@ def test_workers_of_another_version_are_refused(
     tmp_path: Path, scheduler: Any, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """That of the client is changed: what matters is that they differ."""
-    from rodgen.studies import cluster, worker
+    from rodgen.studies import cluster, worker_tasks
 
-    own = worker.who()
+    own = worker_tasks.versions()
     for key in ("rodgen", "sources", "Python"):
-        monkeypatch.setattr(cluster, "of_client", lambda key=key: {**own, key: "another"})
+        monkeypatch.setattr(cluster, "client_versions", lambda key=key: {**own, key: "another"})
         with pytest.raises(InputError, match=rf"{key} {re.escape(str(own[key]))}\b"):
-            run(study_of(), tmp_path / "a.zarr", scheduler=scheduler.scheduler_address)
+            run_study(study_of(), tmp_path / "a.zarr", scheduler=scheduler.scheduler_address)
     assert not list(tmp_path.iterdir())
 
 
@@ -144,11 +144,13 @@ def test_workers_that_do_not_see_the_store_are_refused(tmp_path: Path, scheduler
     from rodgen.studies.cluster import Cluster
 
     study = study_of()
-    before = Store.of(in_blocks(tmp_path / "a.zarr", study, 4), study)
-    elsewhere = Store(tmp_path / "b.zarr", before.study, before.layout, before.arrays, before.token)
+    before = StudyStore.of(in_blocks(tmp_path / "a.zarr", study, 4), study)
+    elsewhere = StudyStore(
+        tmp_path / "b.zarr", before.study, before.layout, before.arrays, before.token
+    )
     with Cluster(2, scheduler.scheduler_address) as workers:
         for _ in range(2):
-            told = refused(lambda: list(workers.compute(elsewhere, iter([0]), {})))
+            told = refused(lambda: list(workers.compute_blocks(elsewhere, iter([0]), {})))
             assert str(told.value) == str(tmp_path / "b.zarr")
             in_blocks(tmp_path / "b.zarr", study, 4)
 
@@ -166,7 +168,7 @@ def test_workers_that_never_come_end_the_study(
         ) as empty,
         pytest.raises(StudyError),
     ):
-        run(study_of(), tmp_path / "a.zarr", scheduler=empty.scheduler_address)
+        run_study(study_of(), tmp_path / "a.zarr", scheduler=empty.scheduler_address)
 
 
 @pytest.mark.nightly
@@ -175,13 +177,13 @@ def test_a_worker_takes_the_texts_that_the_client_has(tmp_path: Path, scheduler:
     from rodgen.loading import cache
     from rodgen.studies.cluster import Cluster
 
-    store = Store.make(tmp_path / "a.zarr", study_of(), 24)
+    store = StudyStore.create(tmp_path / "a.zarr", study_of(), 24)
     entry = ("modules", "0" * 32, "text_of_a_test.json")
     file = cache.cache_root().joinpath(*entry)
     file.unlink(missing_ok=True)
     with Cluster(2, scheduler.scheduler_address) as workers:
-        list(workers.compute(store, iter([0]), {entry: "the text"}))
-        seconds, _texts = workers.timed(study_of(keep="max(phi_1)"))
+        list(workers.compute_blocks(store, iter([0]), {entry: "the text"}))
+        seconds, _texts = workers.time_point(study_of(keep="max(phi_1)"))
     assert cache.read_text(*entry) == "the text"
     assert seconds > 0
     file.unlink()

@@ -10,10 +10,9 @@ from sympy import Matrix, S, Sum, expand, simplify
 from sympy.physics.mechanics import LagrangesMethod
 
 from rodgen.derive import inertia, symbols
-from rodgen.derive.calculus import TIME
 from rodgen.derive.closed_form import ClosedForm
 from rodgen.derive.explicit import ExplicitDerivation
-from rodgen.derive.general import Equations
+from rodgen.derive.general import GeneralEquations
 from rodgen.derive.loads import LOADS, TERMS
 from rodgen.derive.loads.follower import Follower
 from rodgen.derive.loads.gravity import Gravity
@@ -24,11 +23,12 @@ from rodgen.derive.loads.kinds import JointMoment, MassForce
 from rodgen.derive.loads.link_anchor import LinkAnchor
 from rodgen.derive.loads.link_force import LinkForce
 from rodgen.derive.loads.point_force import PointForce
+from rodgen.derive.polynomials import TIME
 from rodgen.derive.proofs import DisagreementError
 from rodgen.derive.proofs import any_n as proof_any_n
 from rodgen.derive.proofs.any_n import prove_any_n
-from rodgen.derive.proofs.explicit import prove_explicit
-from rodgen.derive.proofs.points import prove_at_points
+from rodgen.derive.proofs.explicit_proof import prove_explicit
+from rodgen.derive.proofs.rational_points import prove_at_points
 from rodgen.derive.symbols import l, m, omega, xi
 from rodgen.model import rod, terms
 from rodgen.model.rod import BOUNDARIES
@@ -41,13 +41,13 @@ RODS = cases("boundary, inertia", BOUNDARIES, inertia.INERTIAS)
 def test_explicit_derivation_equals_the_closed_form(
     boundary: str, links: int, inertia: str
 ) -> None:
-    hold = BOUNDARIES[boundary]
+    boundary_condition = BOUNDARIES[boundary]
     held = {c.name: c.entries for c in prove_explicit(links, boundary, inertia)}
-    moving = links - hold.first
-    size = moving + 2 * hold.translates
+    moving = links - boundary_condition.first
+    size = moving + 2 * boundary_condition.translates
     assert held["M"] == size**2
     assert held["Q"] == held["D_i"] == held["D_m"] == size * moving
-    assert held["K"] == size * (links + (hold.root > 0))
+    assert held["K"] == size * (links + (boundary_condition.root > 0))
     assert held["F"] == held["A"] == held["D_e"] == held["T"] == size
 
 
@@ -176,15 +176,17 @@ def _wrong_root(patch: pytest.MonkeyPatch) -> None:
 def _wrong_root_damper(patch: pytest.MonkeyPatch) -> None:
     """As damped as an inner joint, in both derivations."""
     patch.setattr(
-        JointMoment, "root", lambda self, chain: self.moment(S.Zero, omega[0], chain.rod.joint(0))
+        JointMoment,
+        "root_moment",
+        lambda self, chain: self.moment(S.Zero, omega[0], chain.rod.joint(0)),
     )
-    right = JointMoment.rows
+    right = JointMoment.explicit_forces
 
     def wrong(self: JointMoment, chain: ExplicitDerivation) -> Any:
         chain.joints = [chain.rod.joint(at) for at in range(chain.n)]  # K has been compared by then
         return right(self, chain)
 
-    patch.setattr(JointMoment, "rows", wrong)
+    patch.setattr(JointMoment, "explicit_forces", wrong)
 
 
 def _wrong_inertia(patch: pytest.MonkeyPatch) -> None:
@@ -232,16 +234,16 @@ def test_wrong_sums_along_the_chain_are_caught(
     quantity: Any, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """rhs is emitted from the running sums of derivation 2: they are proven too."""
-    right = Equations.arrays.func
+    right = GeneralEquations.arrays.func
 
-    def wrong(self: Equations) -> Any:
+    def wrong(self: GeneralEquations) -> Any:
         arrays = right(self)
         array = arrays[quantity]
         (total,) = array.value.atoms(Sum)
         doubled = array.value.subs(total, Sum(2 * total.function, *total.limits))
         return {**arrays, quantity: replace(array, value=doubled)}
 
-    monkeypatch.setattr(Equations, "arrays", property(wrong))
+    monkeypatch.setattr(GeneralEquations, "arrays", property(wrong))
     with pytest.raises(DisagreementError, match=str(quantity)):
         list(PROOFS["explicit"](*FREE, ()))
     with pytest.raises(DisagreementError, match="joints"):

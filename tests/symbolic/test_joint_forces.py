@@ -8,18 +8,18 @@ from dataclasses import replace
 import pytest
 from sympy import S, diff, zeros
 
-from rodgen.derive import joint_forces, tensions
-from rodgen.derive.general import Equations
+from rodgen.derive import joint_force_system, tensions
+from rodgen.derive.general import GeneralEquations
 from rodgen.derive.inertia import INERTIAS
-from rodgen.derive.joint_forces import JointForces, joint_system
-from rodgen.derive.joint_system import System, joint_ax, pull_x
+from rodgen.derive.joint_force_system import JointForceSystem, joint_system
+from rodgen.derive.joint_system import BlockSystem, joint_ax, pull_x
+from rodgen.derive.link_properties import Rod
 from rodgen.derive.loads import TERMS
 from rodgen.derive.proofs import DisagreementError
-from rodgen.derive.proofs import joint_forces as proof_joint_forces
-from rodgen.derive.proofs.joint_forces import prove_joint_forces
-from rodgen.derive.rod import Rod
+from rodgen.derive.proofs import joint_force_proof as proof_joint_forces
+from rodgen.derive.proofs.joint_force_proof import prove_joint_forces
 from rodgen.derive.symbols import Array, m
-from rodgen.derive.tensions import Tensions
+from rodgen.derive.tensions import TensionSystem
 from rodgen.model.rod import BOUNDARIES
 from rodgen.model.terms import THESIS_TERMS
 from tests.palette import can_move, cases
@@ -27,21 +27,21 @@ from tests.palette import can_move, cases
 
 @cases("boundary, links, inertia", BOUNDARIES, (1, 2, 3), INERTIAS, where=can_move)
 def test_accelerations_are_those_of_derivation_1(boundary: str, links: int, inertia: str) -> None:
-    hold = BOUNDARIES[boundary]
+    boundary_condition = BOUNDARIES[boundary]
     # Loads enter joint by joint: one alone is seen with one link (both ends at once) and with
     # three (an inner link between two), the links beyond repeat it; with either inertia in turn.
     odd = links == 3, inertia == "lumped"
     single = [(term,) for at, term in enumerate(TERMS) if links != 2 and (at + sum(odd)) % 2]
     for terms in ((), *single, TERMS):
         (held,) = prove_joint_forces(links, boundary, inertia, terms)
-        assert held.entries == links - hold.first + 2 * hold.translates
+        assert held.entries == links - boundary_condition.first + 2 * boundary_condition.translates
 
 
-Change = Callable[[System], System]
+Change = Callable[[BlockSystem], BlockSystem]
 
 
 def _half_of(base: object) -> Change:
-    def change(system: System) -> System:
+    def change(system: BlockSystem) -> BlockSystem:
         array: Array = system.arrays[base]
         half = replace(array, value=array.value / 2)
         return replace(system, arrays={**system.arrays, base: half})
@@ -85,7 +85,7 @@ def test_wrong_load_is_caught_where_the_scene_has_it(
 ) -> None:
     """What takes the place of a load in the forces on the joints, for either inertia."""
     name, term, change = WRONG_LAWS[wrong]
-    for module in (joint_forces, tensions):
+    for module in (joint_force_system, tensions):
         right = getattr(module, name)
         monkeypatch.setattr(
             module, name, lambda *a, right=right: tuple(change(e) for e in right(*a))
@@ -98,7 +98,7 @@ def test_wrong_load_is_caught_where_the_scene_has_it(
 @pytest.mark.parametrize("boundary", BOUNDARIES)
 def test_wrong_mass_of_a_joint_is_caught(boundary: str, monkeypatch: pytest.MonkeyPatch) -> None:
     """A third of a link's mass at its start."""
-    monkeypatch.setattr(Tensions, "_masses", lambda self, link: (m / 3, m / 2))
+    monkeypatch.setattr(TensionSystem, "_end_masses", lambda self, link: (m / 3, m / 2))
     with pytest.raises(DisagreementError, match="joint forces"):
         list(prove_joint_forces(3, boundary, "lumped", ()))
 
@@ -106,11 +106,11 @@ def test_wrong_mass_of_a_joint_is_caught(boundary: str, monkeypatch: pytest.Monk
 @pytest.mark.parametrize("boundary", BOUNDARIES)
 def test_wrong_centrifugal_terms_are_caught(boundary: str, monkeypatch: pytest.MonkeyPatch) -> None:
     """The rates of a cell without its squared velocity, in both forms."""
-    link, bar = joint_forces._two_links, tensions._two_masses
+    link, bar = joint_force_system._derive_link, tensions._derive_bar
     uniform = link(Rod("uniform"), INERTIAS["uniform"])
     still = replace(uniform, end_rate=zeros(2, 1), start_rate=zeros(2, 1))
-    monkeypatch.setattr(joint_forces, "_two_links", lambda *_: still)
-    monkeypatch.setattr(tensions, "_two_masses", lambda: replace(bar(), stretch=S.Zero))
+    monkeypatch.setattr(joint_force_system, "_derive_link", lambda *_: still)
+    monkeypatch.setattr(tensions, "_derive_bar", lambda: replace(bar(), stretch=S.Zero))
     assert diff(bar().stretch, bar().omega) != 0
     for inertia in INERTIAS:
         with pytest.raises(DisagreementError, match="joint forces"):
@@ -120,7 +120,7 @@ def test_wrong_centrifugal_terms_are_caught(boundary: str, monkeypatch: pytest.M
 @pytest.mark.parametrize("boundary", BOUNDARIES)
 def test_lumped_links_have_joint_forces_too(boundary: str, monkeypatch: pytest.MonkeyPatch) -> None:
     """Tensions are the shorter way, 2x2 blocks a third one to the same accelerations."""
-    equations = Equations(boundary, "lumped", TERMS)
-    assert joint_system(equations).unknowns == Tensions(equations).system.unknowns
-    monkeypatch.setattr(proof_joint_forces, "joint_system", lambda e: JointForces(e).system)
+    equations = GeneralEquations(boundary, "lumped", TERMS)
+    assert joint_system(equations).unknowns == TensionSystem(equations).system.unknowns
+    monkeypatch.setattr(proof_joint_forces, "joint_system", lambda e: JointForceSystem(e).system)
     assert list(prove_joint_forces(3, boundary, "lumped"))

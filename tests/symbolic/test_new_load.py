@@ -9,10 +9,10 @@ import pytest
 from sympy import Expr, Indexed, IndexedBase, Integer, Rational, S, Symbol, cos, sin
 
 from rodgen.derive import symbols
-from rodgen.derive.general import Equations
+from rodgen.derive.general import GeneralEquations
 from rodgen.derive.loads import LOADS
 from rodgen.derive.loads.link_force import LinkForce
-from rodgen.derive.loads.point_force import Point, PointForce
+from rodgen.derive.loads.point_force import LinkPoint, PointForce
 from rodgen.derive.proofs import DisagreementError, comparisons
 from rodgen.derive.symbols import joint, l, n, phi
 from rodgen.model import terms
@@ -28,11 +28,11 @@ PARAMETERS = (
 )
 POINTS = MappingProxyType(
     {
-        "joint 0": Point(Integer(0), S.Zero),
-        "joint 1": Point(Integer(0)),
-        "joint before the tail": Point(n - 1, S.Zero),
-        "a third of link 1": Point(Integer(1), Rational(1, 3)),
-        "a third of the last link": Point(n - 1, Rational(1, 3)),
+        "joint 0": LinkPoint(Integer(0), S.Zero),
+        "joint 1": LinkPoint(Integer(0)),
+        "joint before the tail": LinkPoint(n - 1, S.Zero),
+        "a third of link 1": LinkPoint(Integer(1), Rational(1, 3)),
+        "a third of the last link": LinkPoint(n - 1, Rational(1, 3)),
     }
 )
 PLACES = (*POINTS, "every link")
@@ -109,15 +109,22 @@ def test_a_wrong_share_is_caught(
 ) -> None:
     """Derivation 3 with the whole force a joint too far."""
     give(place, law)
-    right = Point.parts.fget
+    right = LinkPoint.parts.fget
     assert right is not None
-    monkeypatch.setattr(Point, "parts", property(lambda self: [(a + 1, x) for a, x in right(self)]))
+    monkeypatch.setattr(
+        LinkPoint, "parts", property(lambda self: [(a + 1, x) for a, x in right(self)])
+    )
     with pytest.raises(DisagreementError, match="joint forces"):
         list(comparisons(3, "free", "uniform", ("side_load",), False, 3))
 
 
 @pytest.mark.parametrize(
-    ("method", "where"), [("_law", "joint forces"), ("work", "any n"), ("rows", "explicit n")]
+    ("method", "where"),
+    [
+        ("_force_at_joint", "joint forces"),
+        ("generalised_forces", "any n"),
+        ("explicit_forces", "explicit n"),
+    ],
 )
 def test_a_force_on_another_place_of_its_link_is_caught(
     give: Give, method: str, where: str, monkeypatch: pytest.MonkeyPatch
@@ -141,15 +148,15 @@ def test_newton_sees_how_it_turns(give: Give, place: str, law: str, boundary: st
     """On every joint, the law in the angles next to it is the force of derivation 3 there."""
     give(place, law)
     links, load = 4, LOADS["side_load"]
-    chain = Equations(boundary, "uniform", ("side_load",))
-    for at in range(chain.hold.first_joint, links + 1):
+    chain = GeneralEquations(boundary, "uniform", ("side_load",))
+    for at in range(chain.boundary_condition.first_joint, links + 1):
 
         def there(element: Indexed, at: int = at) -> Expr:
             return chain.arrays[element.base].value.subs(n, links).subs(joint, at)
 
         before, after = phi[at - 1] if at else None, phi[at] if at < links else None
-        laws = load.near(Integer(at), before, after, chain)
-        assert bool(laws) == (law == "turning" and bool(load.arrays(chain)))
+        laws = load.joint_laws(Integer(at), before, after, chain)
+        assert bool(laws) == (law == "turning" and bool(load.joint_arrays(chain)))
         for force, near in laws.items():
             shares = [e for e in near.atoms(Indexed) if e.base in chain.arrays]
             found = near.subs(n, links).xreplace({e: there(e) for e in shares})

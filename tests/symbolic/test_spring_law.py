@@ -10,9 +10,9 @@ from scipy.integrate import quad
 from sympy import Add, Expr, Rational, lambdify, symbols
 
 from rodgen.derive.chain import spring_energy, spring_potential
-from rodgen.derive.general import Equations
+from rodgen.derive.general import GeneralEquations
 from rodgen.derive.symbols import ALPHA, bend, k, n, phi, s
-from rodgen.emit.spring import law_of
+from rodgen.emit.spring_expression import law_of
 from rodgen.errors import InputError
 from rodgen.model.rod import BOUNDARIES
 from rodgen.scene.structure import Structure
@@ -36,11 +36,19 @@ def _law(text: str) -> Expr:
 def test_moments_are_the_derivatives_of_the_energy(text: str, boundary: str) -> None:
     """Of four links: V, summed over all springs, is differentiated by every angle; the moments of
     derivation 2 are put together by their joints."""
-    links, hold, law = 4, BOUNDARIES[boundary], _law(text)
+    links, boundary_condition, law = 4, BOUNDARIES[boundary], _law(text)
     angles = symbols(f"q:{links}", real=True)
-    derived = Equations(boundary, "uniform", (), (), law)
-    bent = [*[ALPHA] * bool(hold.root), *angles, *[ALPHA] * bool(hold.tail)]
-    sizes = [hold.root] * bool(hold.root) + [1] * (links - 1) + [hold.tail] * bool(hold.tail)
+    derived = GeneralEquations(boundary, "uniform", (), (), law)
+    bent = [
+        *[ALPHA] * bool(boundary_condition.root),
+        *angles,
+        *[ALPHA] * bool(boundary_condition.tail),
+    ]
+    sizes = (
+        [boundary_condition.root] * bool(boundary_condition.root)
+        + [1] * (links - 1)
+        + [boundary_condition.tail] * bool(boundary_condition.tail)
+    )
     springs = zip(sizes, pairwise(bent), strict=True)
     energy = Add(*(spring_potential(*ends, size * k, law) for size, ends in springs))
     on_after = [derived.root_spring.xreplace({phi[0]: angles[0]})]
@@ -52,7 +60,7 @@ def test_moments_are_the_derivatives_of_the_energy(text: str, boundary: str) -> 
     for _ in range(2):
         here = {x: Rational(draw.randint(-99, 99), 50) for x in known}
         here |= {x: abs(here[x]) + 1 for x in known if x.is_positive}
-        for at in range(hold.first, links):
+        for at in range(boundary_condition.first, links):
             by_joints = (on_after[at] - on_after[at + 1]).evalf(DIGITS, subs=here)
             by_energy = -energy.diff(angles[at]).evalf(DIGITS, subs=here)
             assert abs(by_joints - by_energy) < 10 ** (5 - DIGITS)

@@ -26,7 +26,7 @@ def test_derivatives_by_a_stiffness(count: int, value: float) -> None:
     """Two supports at one point act as one, at the mean of both fixed points by stiffness; at the
     ends of the range too, beyond which the scene refuses a stiffness."""
     numbers = along([support(2.0, 0.1), support(3.0, 0.4)][:count], (0.0, 4.0))
-    found = sum(share * p for p, share in numbers.near(value)) / numbers.unit
+    found = sum(share * p for p, share in numbers.difference_points(value)) / numbers.unit
     step = 1e-4  # of a difference of second order
     first, second, third = (numbers.parameters(value + k * step) for k in range(3))
     due = (4 * second - 3 * first - third) / (2 * step)

@@ -18,12 +18,12 @@ from PIL import Image, ImageSequence
 from rodgen.errors import InputError
 from rodgen.integrate import Solution
 from rodgen.integrate.files.checksums import NO_STATS
-from rodgen.model.palette import LIGHT, shades
+from rodgen.model.palette import LIGHT, colours_of
 from rodgen.scene import Scene
-from rodgen.show.animation.files import ffmpeg
-from rodgen.show.animation.film import Picture, animate
-from rodgen.show.animation.motion import motion
-from rodgen.show.animation.times import Settings, nearest, plan
+from rodgen.show.animation.film import FrameRenderer, animate
+from rodgen.show.animation.film_files import find_ffmpeg
+from rodgen.show.animation.frame_times import FilmSettings, nearest_samples, plan_frames
+from rodgen.show.animation.motion import sample_motion
 from rodgen.system import System
 from tests.palette import cases
 from tests.told import refused
@@ -34,7 +34,9 @@ SMALL: dict[str, Any] = {"width": 640, "height": 480, "fps": 10, "speed": 1}
 AXES = np.s_[40:430, 60:500]  # pixels of such a film that are inside the axes, without the clock
 LARGE = np.s_[90:650, 90:1070]  # the same of 1280 x 720
 TAIL, BODY = (tuple(bytes.fromhex(str(LIGHT[of])[1:])) for of in ("tail", "body"))  # of their marks
-needs_ffmpeg = pytest.mark.skipif(ffmpeg() is None, reason="MP4 needs ffmpeg, which is not here")
+needs_ffmpeg = pytest.mark.skipif(
+    find_ffmpeg() is None, reason="MP4 needs ffmpeg, which is not here"
+)
 
 
 @pytest.fixture
@@ -112,7 +114,7 @@ def test_mp4_shows_the_same(pendulum: Solution, tmp_path: Path) -> None:
     path = tmp_path / "film.MP4"
     film = animate(pendulum, path, fps=10, speed=1)
     form = ("-f", "rawvideo", "-pix_fmt", "rgb24", "-")
-    command = [str(ffmpeg()), "-hide_banner", "-i", str(path), *form]
+    command = [str(find_ffmpeg()), "-hide_banner", "-i", str(path), *form]
     done = subprocess.run(command, capture_output=True, check=True, timeout=600)
     (stream,) = re.findall(r"Video: h264.*", done.stderr.decode())
     assert all(word in stream for word in ("yuv420p", "1280x720", "10 fps"))
@@ -169,7 +171,7 @@ def test_colour_tells_the_sign_of_the_bending(moved: Make, tmp_path: Path) -> No
     bent = [[0, 0, 0, angle, 0, 0, 0, 0] for angle in (0.5, -0.5)]
     path = tmp_path / "film.gif"
     animate(moved([0.0, 0.1], bent, links=2), path, **SMALL)
-    blue, *_, red = (list(bytes.fromhex(end[1:])) for end in shades("moments"))
+    blue, *_, red = (list(bytes.fromhex(end[1:])) for end in colours_of("moments"))
     for frame, (due, other) in zip(frames(path), ((red, blue), (blue, red)), strict=True):
         shown = frame[AXES].astype(int)
         counts = [np.count_nonzero(np.abs(shown - end).max(axis=-1) < 12) for end in (due, other)]
@@ -257,7 +259,7 @@ def test_speed_is_chosen() -> None:
         (0.3, 46, 0.2),  # 45 intervals, shown at 30 a second: 1.5 s
         (1e-6, 10_000, 3.4e-7),  # a third, with two digits, rounded up
     ):
-        planned = plan(np.linspace(0, span, samples), Settings())
+        planned = plan_frames(np.linspace(0, span, samples), FilmSettings())
         assert planned.speed == pytest.approx(speed)
         assert len(planned.frames) == int(span / speed * 30 + 1e-9) + 1
 
@@ -266,9 +268,9 @@ def test_nearest_samples_are_taken() -> None:
     random = np.random.default_rng(7)
     t = np.sort(random.uniform(0, 1, 50))
     times = random.uniform(-0.1, 1.1, 400)
-    assert (nearest(t, times) == np.abs(t[:, None] - times).argmin(axis=0)).all()
-    assert (nearest(t[:1], times) == 0).all()
-    planned = plan(t, Settings(bounds=(float(t[10]), float(t[30]))))
+    assert (nearest_samples(t, times) == np.abs(t[:, None] - times).argmin(axis=0)).all()
+    assert (nearest_samples(t[:1], times) == 0).all()
+    planned = plan_frames(t, FilmSettings(bounds=(float(t[10]), float(t[30]))))
     assert np.abs(t[planned.kept[planned.frames]] - planned.times).max() == pytest.approx(
         np.abs(t[:, None] - planned.times).min(axis=0).max()
     )
@@ -280,7 +282,9 @@ def test_the_arrow_of_the_key_is_as_long_as_its_force(make_scene: Callable[..., 
     scene = make_scene(1, "free", ("follower",)).replace(changes)
     states = np.array([[0.0] * 6, [0.1, 0.0, 0.0, 0.0, 0.0, 0.0]])
     sol = Solution(System(scene), np.array([0.0, 1.0]), states, {}, NO_STATS)
-    stage = Picture(motion(sol), scene, Settings(view="fixed", width=640, height=480), 1.0)._stage
+    stage = FrameRenderer(
+        sample_motion(sol), scene, FilmSettings(view="fixed", width=640, height=480), 1.0
+    )._stage
     stage.canvas.draw()
     key = next(one for one in stage.axes.get_children() if isinstance(one, QuiverKey))
     longest = 0.2 * min(stage.size) / 2  # pixels of the largest force
@@ -292,9 +296,9 @@ def test_the_arrow_of_the_key_is_as_long_as_its_force(make_scene: Callable[..., 
 def test_grid_is_square(moved: Make, view: str, size: tuple[int, int]) -> None:
     """One step along both axes, some centimetres of a screen; where the picture moves, the
     legend says it."""
-    settings = Settings(view=view, width=size[0], height=size[1])
+    settings = FilmSettings(view=view, width=size[0], height=size[1])
     sol = moved([0.0, 1.0], [[0, 0, 1.2, 0, 0, 0], [3.0, 1, 0.3, 0, 0, 0]], links=1)
-    stage = Picture(motion(sol), sol.scene, settings, 1.0)._stage
+    stage = FrameRenderer(sample_motion(sol), sol.scene, settings, 1.0)._stage
     axes = (stage.axes.xaxis, stage.axes.yaxis)
     steps = np.concatenate([np.diff(axis.get_majorticklocs()) for axis in axes])
     assert steps == pytest.approx(np.full(len(steps), stage.grid_step))

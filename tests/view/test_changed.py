@@ -13,9 +13,9 @@ from rodgen.integrate.files.checksums import NO_STATS
 from rodgen.integrate.files.reader import Excerpt
 from rodgen.integrate.trajectory import Changes
 from rodgen.scene import Scene
-from rodgen.show.animation.film import animate, film
-from rodgen.show.animation.motion import motion
-from rodgen.show.animation.times import Settings, plan
+from rodgen.show.animation.film import animate, write_film
+from rodgen.show.animation.frame_times import FilmSettings, plan_frames
+from rodgen.show.animation.motion import sample_motion
 from rodgen.system import System
 from tests.view.test_animation import SMALL
 
@@ -44,9 +44,9 @@ def changed(swinging: Solution) -> Solution:
 
 
 def test_frames_are_samples_with_what_held(changed: Solution) -> None:
-    planned = plan(changed.t, Settings(**SMALL))
+    planned = plan_frames(changed.t, FilmSettings(**SMALL))
     assert len(planned.kept) < SAMPLES / 10  # else this is no test of what is left out
-    drawn = motion(changed.taken(planned.kept))
+    drawn = sample_motion(changed.isel(planned.kept))
     t, before = changed.t[planned.kept], planned.kept < CHANGE
     phi = np.outer(t, [1.0, 1.3, 1.5])
     links = 2 / 3 * np.stack((np.cos(phi), np.sin(phi)), -1)
@@ -67,7 +67,7 @@ def test_rod_that_gets_longer_and_had_no_stiffness(swinging: Solution) -> None:
     p[CHANGE:, names.index("length")] = 4.0
     swinging.changes = Changes(p, np.zeros(SAMPLES))
     kept = np.array([0, 399, 400, 1000])
-    drawn = motion(swinging.taken(kept))
+    drawn = sample_motion(swinging.isel(kept))
     assert drawn.label.endswith("[1/m]")
     per_metre = np.array([1.5, 1.5, 0.75, 0.75])
     due = per_metre * swinging.t[kept] * 0.2  # of the last two links: 1.5 - 1.3
@@ -81,7 +81,7 @@ def test_film_of_the_file_is_that_of_the_run(changed: Solution, tmp_path: Path) 
     animate(changed, tmp_path / "run.gif", **SMALL)
     changed.save(tmp_path / "run.nc")
     stored = Excerpt(tmp_path / "run.nc")
-    film(stored.t, stored.at, tmp_path / "file.gif", Settings(**SMALL))
+    write_film(stored.t, stored.read, tmp_path / "file.gif", FilmSettings(**SMALL))
     content = (tmp_path / "run.gif").read_bytes()
     assert (tmp_path / "file.gif").read_bytes() == content
     changed.changes = None

@@ -21,11 +21,11 @@ from PIL import Image
 
 import rodgen
 from rodgen import display
-from rodgen.analyse.curves.files import read, save
-from rodgen.dataset_result import show_in_notebook
+from rodgen.analyse.curves.curve_files import read, save
+from rodgen.dataset_result import register_notebook_display
 from rodgen.display import Plottable, Tabular
 from rodgen.errors import InputError
-from rodgen.show.animation import files
+from rodgen.show.animation import film_files
 from rodgen.show.appearance import PICTURES_OF
 from tests.view.results import MAKERS, SCENE, made
 
@@ -121,7 +121,7 @@ def test_what_draws_is_looked_up_once_and_not_before(monkeypatch: pytest.MonkeyP
         return entry_points(**group)
 
     monkeypatch.setattr(display, "entry_points", looked_up)
-    display.drawer.cache_clear()
+    display.load_drawing_module.cache_clear()
     modes = made("Modes")
     assert repr(modes)
     assert asked == []
@@ -132,7 +132,7 @@ def test_what_draws_is_looked_up_once_and_not_before(monkeypatch: pytest.MonkeyP
 
 def test_an_installation_without_pictures_says_so(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(display, "entry_points", lambda **_: EntryPoints(()))
-    display.drawer.cache_clear()
+    display.load_drawing_module.cache_clear()
     for draw in (made("Modes").plot, made("Modes")._repr_html_):
         with pytest.raises(ImportError, match=re.escape("rodgen.pictures")):
             draw()
@@ -144,12 +144,12 @@ def test_what_has_no_table_is_a_line() -> None:
     assert len(repr(event)) < 160
     structure = rodgen.Structure(2, "pinned", terms=("gravity",))
     assert eval(repr(structure), {"Structure": rodgen.Structure}) == structure
-    assert "uneven" not in repr(structure)
+    assert "nonuniform" not in repr(structure)
 
 
 def test_what_cannot_be_drawn_is_still_told() -> None:
     """A run without a sample has no picture; text is escaped."""
-    empty = made("Solution").until(0)
+    empty = made("Solution").head(0)
     empty.message = "<stopped>"
     html = empty._repr_html_()
     assert "<img" not in html
@@ -187,8 +187,8 @@ def test_a_film_for_a_notebook(
     ending: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     if ending == ".gif":
-        monkeypatch.setattr("rodgen.show.animation.video.ffmpeg", lambda: None)
-    elif files.ffmpeg() is None:
+        monkeypatch.setattr("rodgen.show.animation.video.find_ffmpeg", lambda: None)
+    elif film_files.find_ffmpeg() is None:
         pytest.skip("no ffmpeg")
     video: Any = made("Solution").animate(fps=10, width=320, height=320)
     assert video.ending == ending
@@ -253,7 +253,7 @@ def test_notebooks_show_datasets_with_picture_and_table() -> None:
     shells = pytest.importorskip("IPython.core.interactiveshell", reason="IPython is not installed")
     data, shell = branch(), shells.InteractiveShell.instance()
     try:
-        show_in_notebook(xarray.Dataset)
+        register_notebook_display(xarray.Dataset)
         whole, part, other = (
             shell.display_formatter.format(one)[0]["text/html"]
             for one in (data, data[["value"]], xarray.Dataset())

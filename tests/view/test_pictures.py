@@ -13,10 +13,10 @@ from rodgen.integrate import Solution
 from rodgen.model.terms import TERMS, axis_label
 from rodgen.scene import Scene
 from rodgen.show.phase_picture import phase_plot
-from rodgen.show.pictures import energies, trajectories
+from rodgen.show.run_pictures import energies, trajectories
 from rodgen.show.shape_picture import shapes
 from rodgen.show.summary import summary
-from rodgen.show.time_pictures import across, acting, moments, tail
+from rodgen.show.time_pictures import force_intervals, moment_map, tail_deflection, tail_history
 from tests.live.conftest import ROD
 from tests.told import numbers
 
@@ -36,9 +36,9 @@ def swinging() -> Solution:
 
 
 def test_tail_swings_with_the_first_natural_frequency(swinging: Solution) -> None:
-    above, below = tail(swinging).axes
+    above, below = tail_history(swinging).axes
     (curve,), (spectrum,) = above.lines, below.lines
-    assert np.array_equal(curve.get_ydata(), across(swinging))
+    assert np.array_equal(curve.get_ydata(), tail_deflection(swinging))
     frequencies, sizes = spectrum.get_data()
     first = rodgen.natural_modes(swinging.scene, count=1).frequencies[0]
     assert frequencies[np.argmax(sizes)] == pytest.approx(first, abs=0.05)
@@ -50,11 +50,11 @@ def test_tail_of_a_clamped_rod_is_across_its_clamp() -> None:
     angle = solution.phi[:, 0]
     ends = solution.joints[:, -1] - solution.joints[:, 0]
     away = np.linalg.norm(ends, axis=1) * np.sin(np.arctan2(*ends.T[::-1]) - angle)
-    assert across(solution) == pytest.approx(away, abs=1e-12)  # rounding of a rod of 2 m
+    assert tail_deflection(solution) == pytest.approx(away, abs=1e-12)  # rounding of a rod of 2 m
 
 
 def test_moments_are_those_of_the_joints(swinging: Solution) -> None:
-    mesh = moments(swinging).axes[0].collections[0]
+    mesh = moment_map(swinging).axes[0].collections[0]
     shown = np.reshape(mesh.get_array(), (6, -1))
     assert np.array_equal(shown, swinging.bending_moments.T)
     low, high = mesh.get_clim()
@@ -64,11 +64,11 @@ def test_moments_are_those_of_the_joints(swinging: Solution) -> None:
 def test_pictures_say_when_a_force_acts_and_what_happened() -> None:
     apex = {"name": "apex", "quantity": "tip_y", "value": -0.05}
     solution = run("3 if t < 0.25 else 0", 9.81, events=[apex], span=[0.0, 0.5])
-    ((term, start, end),) = acting(solution)
+    ((term, start, end),) = force_intervals(solution)
     assert term is TERMS["follower"]
     assert (start, end) == pytest.approx((0.0, 0.25), abs=0.01)  # between samples
     assert [event.name for event in solution.events] == ["apex"]
-    for draw in (energies, moments, tail, trajectories):
+    for draw in (energies, moment_map, tail_history, trajectories):
         said = " ".join(text.get_text() for text in draw(solution).axes[0].texts)
         assert "follower force" in said
         assert "apex" in said
@@ -147,12 +147,12 @@ def test_energy_that_went_elsewhere_shows_it(make_scene: Callable[..., Scene]) -
     """Kinetic energy grows with the square of the rate; what is less than rounding stayed, and
     what overflows did not."""
     scene = make_scene(3, initial={"phi": 0.0, "omega": 3.0})
-    resting = rodgen.simulate(scene, target="numpy").taken(np.array([0, 0]))
+    resting = rodgen.simulate(scene, target="numpy").isel(np.array([0, 0]))
     for change, said in ((1.0, 36), (1e-6, 18.000018), (1e-8, 18.0000002), (1e-12, 1.8e-11)):
-        solution = resting.taken(np.array([0, 1]))
+        solution = resting.isel(np.array([0, 1]))
         solution.y[1, 5:] *= np.sqrt(1 + change)
         assert told(solution)[0] == [18, said]
-    solution = resting.taken(np.array([0, 1]))
+    solution = resting.isel(np.array([0, 1]))
     solution.y[1, 5] = 1e200  # vx0
     with np.errstate(all="ignore"):
         assert "18 J to inf J" in summary(solution)

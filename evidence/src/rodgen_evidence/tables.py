@@ -7,8 +7,8 @@ from functools import partial
 from typing import NamedTuple
 
 from rodgen.analyse.precision.contestant import Measurement, Value
-from rodgen.analyse.precision.rows import short
-from rodgen.progress import duration
+from rodgen.analyse.precision.rows import format_short
+from rodgen.progress import format_duration
 
 NONE = "-"
 Show = Callable[[Value], str]
@@ -56,10 +56,10 @@ def as_in(spec: str) -> Show:
     return partial(numeric, f"{{:{spec}}}".format)
 
 
-three = partial(numeric, short)
-error = partial(numeric, lambda value: short(value, ".1e") if value else words(value))
+three = partial(numeric, format_short)
+error = partial(numeric, lambda value: format_short(value, ".1e") if value else words(value))
 count = partial(numeric, lambda value: f"{value:,.0f}".replace(",", "\u2009"))
-time = partial(numeric, duration)  # in the unit that suits it
+time = partial(numeric, format_duration)  # in the unit that suits it
 percent = as_in("+.2%")  # of a fraction
 times = partial(numeric, "{:.3g} x".format)
 

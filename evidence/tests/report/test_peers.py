@@ -14,7 +14,7 @@ import pytest
 
 import rodgen
 from rodgen.analyse.precision.contestant import NotModelledError
-from rodgen.analyse.precision.job import Job, stretches
+from rodgen.analyse.precision.job import Job, split_job
 from rodgen_evidence.report.cases import cases, rod
 from rodgen_evidence.report.costs.rod import THRUST, built, packed
 from rodgen_evidence.report.peers import FAMILIES, LIBRARIES, RATES, chain, family, loads, peer
@@ -93,21 +93,21 @@ def test_expressions_without_conditions() -> None:
     for middle in (0.03, 0.08, 0.15):
         at = loads.parameters(given.scene, middle, loads.PLAIN)
         for t in (middle, middle + 0.01):
-            for name, expression in given.scene.timed.items():
+            for name, expression in given.scene.time_laws.items():
                 assert at(t)[name] == pytest.approx(float(expression(t)), rel=1e-14, abs=1e-16)
 
 
 def test_stretches_hold_every_sample_once() -> None:
     given = job("free", "uniform", LOADS | {"tip": {"x": "max(t - 0.0613, 0)"}})
-    found = stretches(given)
+    found = split_job(given)
     sampled = np.concatenate([one.times[: one.samples] for one in found])
-    assert sampled == pytest.approx(given.times[1:], abs=1e-15)
+    assert sampled == pytest.approx(given.sample_times[1:], abs=1e-15)
     assert [one.last for one in found] == pytest.approx([0.0613, 0.1, 0.2])
     pieces = [pair for one in found for pair in peer.runs(one)]
     for before, times in pieces:
         gaps = np.diff(times, prepend=before)
         assert gaps == pytest.approx(gaps[0], rel=1e-6)
-    assert np.concatenate([times for _, times in pieces])[-1] == given.times[-1]
+    assert np.concatenate([times for _, times in pieces])[-1] == given.sample_times[-1]
 
 
 def test_relative_angles() -> None:
@@ -152,8 +152,8 @@ def test_motion(name: str) -> None:
     assert all(a.setting > b.setting for a, b in pairwise(tried))
     for who in (tried[0], tried[-1]):
         finish = who.integrate()
-        assert finish.y.shape == (len(given.times), len(given.start))
-        assert finish.y[0] == pytest.approx(given.start)
+        assert finish.y.shape == (len(given.sample_times), len(given.initial_state))
+        assert finish.y[0] == pytest.approx(given.initial_state)
         errors.append(float(np.abs(finish.y - exact).max()))
         assert all(type(number) is int for number in finish.counts.values())
     assert errors[-1] < limit

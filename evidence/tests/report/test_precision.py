@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 import rodgen
-from rodgen.analyse.precision import methods
+from rodgen.analyse.precision import method_families
 from rodgen.analyse.precision.contestant import (
     Limits,
     Measurement,
@@ -117,7 +117,7 @@ def test_scene_that_blows_up_is_a_row(
 def still() -> tuple[Job, np.ndarray]:
     """A free rod, straight and at rest at every sample, that moves to the right."""
     job = Job.of("free_n10", scene_of("free_n10"))
-    states = np.tile(np.zeros_like(job.start), (len(job.times), 1))
+    states = np.tile(np.zeros_like(job.initial_state), (len(job.sample_times), 1))
     states[:, 12] = 2.0
     return job, states
 
@@ -131,9 +131,9 @@ def test_measures_of_made_up_errors(still: tuple[Job, np.ndarray]) -> None:
     errors = measures.errors(off)
     assert errors["error_phi"] == pytest.approx(1e-3)
     assert errors["error_tail"] == pytest.approx(0.5)
-    assert measures.over_time(off)[50] == 0.0
+    assert measures.angle_errors(off)[50] == 0.0
     # 50 kg at 2 m/s; the bent springs of 200 Nm hold 2 * 200 * 1e-6 / 2 J.
-    assert measures.scale == pytest.approx(100.0)
+    assert measures.energy_scale == pytest.approx(100.0)
     assert errors["error_energy"] == pytest.approx(2 * 200.0 * 1e-6 / 2 / 100.0, rel=1e-9)
 
 
@@ -194,12 +194,14 @@ def test_refusals_are_told_from_failures(
 def test_first_fixed_step_is_the_stability_limit(still: tuple[Job, np.ndarray]) -> None:
     """h omega = 2 for semi_implicit_euler (docs/methods.md), samples on steps."""
     job, _ = still
-    first, second, *_ = methods.steps(job, "semi_implicit_euler", quick=False)
+    first, second, *_ = method_families.step_settings(job, "semi_implicit_euler", quick=False)
     rate = 4 * np.sqrt(3) * 10**2 * np.sqrt(100 / (50 * 125))
     # Below it by at most one more step between two samples, of four or five.
     assert 1.6 < first * rate < 2.0
     assert second == pytest.approx(first / 2)
-    assert (job.times[1] / first) == pytest.approx(round(job.times[1] / first), rel=1e-12)
+    assert (job.sample_times[1] / first) == pytest.approx(
+        round(job.sample_times[1] / first), rel=1e-12
+    )
 
 
 def test_rodgens_rows_come_to_an_order_and_a_duel(tmp_path: Path) -> None:
@@ -208,7 +210,7 @@ def test_rodgens_rows_come_to_an_order_and_a_duel(tmp_path: Path) -> None:
     made("pendulum", table, tmp_path)
     job, held = contests.prepared("pendulum", table, str(tmp_path))
     rows: list[Measurement] = []
-    for one in methods.families(job, False, TAKEN):
+    for one in method_families.families(job, False, TAKEN):
         if (one.method, one.target) in {("rk4", "c"), ("dop853", "c")}:
             measures = held.measures(job, one.method)
             rows += measured(one.make(), contests.label(job, one), measures, Limits(0.1, 0.3))

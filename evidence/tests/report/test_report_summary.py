@@ -8,7 +8,7 @@ import pytest
 
 from evidence.tests.report.report_rows import NASTY, SCENES, made_up, others, precision
 from rodgen.analyse.precision.contestant import Measurement
-from rodgen.analyse.precision.rows import label, short
+from rodgen.analyse.precision.rows import format_label, format_short
 from rodgen_evidence.pages import report_curves
 from rodgen_evidence.report.contents import failed_of, frame, kind_of, trusted
 from rodgen_evidence.report.costs.leaving_out import savings
@@ -46,7 +46,7 @@ def test_units_that_failed_are_those_of_their_scene_alone():
 
 def test_short_numbers():
     numbers = {1e-5: "1e-5", 2.5e-12: "2.5e-12", 1e10: "1e10", 0.01: "0.01", math.inf: "inf"}
-    assert {value: short(value) for value in numbers} == numbers
+    assert {value: format_short(value) for value in numbers} == numbers
 
 
 def test_what_the_report_cut_short_is_no_failure():
@@ -131,6 +131,6 @@ def test_scene_without_a_reference_is_not_judged():
 
 
 def test_labels():
-    names = [label(row) for row in precision("missile")[::7]]
+    names = [format_label(row) for row in precision("missile")[::7]]
     ours, theirs = {"gauss in C", "gauss in NumPy"}, {"SciPy DOP853 on rodgen's C", "heyoka Taylor"}
     assert ours | theirs < {*names}

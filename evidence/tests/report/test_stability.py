@@ -11,7 +11,7 @@ import mpmath
 import numpy as np
 import pytest
 
-from rodgen.check.by_hand import ByHand
+from rodgen.check.reference_equations import ReferenceEquations
 from rodgen.loading import load_module
 from rodgen.model.terms import THESIS_TERMS
 from rodgen_evidence.report.contents import frame
@@ -72,7 +72,7 @@ def test_amplitude_grows_beyond_the_step_found_and_not_below(two_links: Trial) -
         run = two_links.run("rk4", step=factor * h)
         run.begin(1e9)
         start = float(np.abs(run.state).max())
-        run.on(500, np.empty(0), np.empty((0, len(run.state))))
+        run.advance(500, np.empty(0), np.empty((0, len(run.state))))
         assert (float(np.abs(run.state).max()) > 10 * start) == growing
 
 
@@ -139,7 +139,7 @@ def test_two_routes_in_sixty_digits_agree(links: int, boundary: str, inertia: st
         values, y = rounding.parameters(model, extreme), rounding.state(model, extreme)
         ours = exact_rates(model, values, y)
         with mpmath.workdps(60):
-            dense = ByHand(model, values, y).rhs()[len(y) // 2 :]
+            dense = ReferenceEquations(model, values, y).rhs()[len(y) // 2 :]
             off = max(abs(a - b) for a, b in zip(ours, dense, strict=True))
             # Cancellation may leave less than a quarter of the digits of the terms.
             assert off <= mpmath.mpf("1e-45") * max(1, *(abs(a) for a in dense)), extreme.case

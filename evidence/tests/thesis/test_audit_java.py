@@ -14,7 +14,7 @@ import sympy
 from sympy import Expr, Matrix, Rational, S, expand, expand_trig
 
 import rodgen
-from rodgen.integrate.methods.fixed_step import advance
+from rodgen.integrate.methods.fixed_step import explicit_step
 from rodgen.model.methods import TABLEAUX
 from rodgen_evidence.thesis.audit.audit import listing_claims
 from rodgen_evidence.thesis.audit.claim import Claim, Finding, Verdict, judge
@@ -266,7 +266,7 @@ def test_steppers_are_methods_of_rodgen(loads: str) -> None:
         for _ in range(10):
             step(it)
             f = model.rhs(0.0, y, p)
-            y = advance(TABLEAUX[name])(lambda t, u: model.rhs(t, u, p), 0.0, y, f, h)
+            y = explicit_step(TABLEAUX[name])(lambda t, u: model.rhs(t, u, p), 0.0, y, f, h)
         # The same sums in another order.
         np.testing.assert_allclose(state(it), y, rtol=0, atol=1e-12)
 

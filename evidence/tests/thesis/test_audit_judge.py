@@ -106,9 +106,11 @@ def test_a_load_has_two_routes(
 ) -> None:
     """Twice the virtual work does not agree with virtual power."""
     load = type(LOADS[term])
-    kept = load.rows
+    kept = load.explicit_forces
     monkeypatch.setattr(
-        load, "rows", lambda self, chain: [[2 * e for e in row] for row in kept(self, chain)]
+        load,
+        "explicit_forces",
+        lambda self, chain: [[2 * e for e in row] for row in kept(self, chain)],
     )
     assert judge(replace(claim(number), corrected=claim(number).truth)).verdict is Verdict.MISPRINT
 

@@ -7,7 +7,7 @@ import pytest
 
 import rodgen
 from rodgen.analyse.critical import critical_load
-from rodgen.analyse.extrapolate import richardson
+from rodgen.analyse.extrapolation import richardson
 from rodgen_evidence.thesis import scenes
 from rodgen_evidence.thesis.mass_spring import MassSpring, grow, simulated_critical_load
 from rodgen_evidence.thesis.mass_spring_table import compliance, rod

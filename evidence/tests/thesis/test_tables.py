@@ -12,7 +12,7 @@ import pytest
 from pandas import DataFrame
 
 from rodgen.analyse.critical import critical_load
-from rodgen.analyse.references.columns import thrust
+from rodgen.analyse.references.follower_columns import thrust
 from rodgen.integrate import simulate
 from rodgen_evidence.pages.thesis_page import summary, write_thesis
 from rodgen_evidence.thesis import (

@@ -1,1 +1,1 @@
-"""What follows from a scene beside its motion: frequencies, equilibria, critical forces."""
+"""Analyses of a scene beside its motion: frequencies, equilibria, critical loads."""

@@ -1,5 +1,4 @@
-"""Matrices with rows and columns at their borders, which are regular where the matrix itself is
-not."""
+"""Bordered matrices: rows and columns are added, so that they are regular where J is singular."""
 
 from __future__ import annotations
 
@@ -17,27 +16,27 @@ from rodgen.errors import AnalysisError
 
 Matrix = Any  # a NumPy array, or a sparse one
 SINGULAR = "the bordered equations are singular"
-LIGHT = 1e-3  # times which rows at the border of a band are taken: they are no pivots then
+LIGHT = 1e-3  # factor of rows at the border of a band, which keeps them from becoming pivots
 
 
 @lru_cache(maxsize=2)
 def _lapack(dtype: type) -> tuple[Any, Any]:
-    """What factors full matrices and what solves with the factors: SciPy's own functions look at
-    what they are given for longer than it takes to factor small ones."""
+    """Return LAPACK's functions that factor full matrices and solve with the factors; those of
+    SciPy take longer to check a small matrix than to factor it."""
     found = get_lapack_funcs(("getrf", "getrs"), dtype=dtype)
     return found[0], found[1]
 
 
-class Bordered:
-    """L U of [[J, columns], [rows, 0]], real or complex: dense, or of a sparse J that is a band but
-    for its last columns, whose factors stay a band. J: (N, N + k); rows: (m, N + k);
-    columns: (N, m - k), none by default. Raises AnalysisError for one that is singular."""
+class BorderedMatrix:
+    """LU factors of a bordered matrix [[J, columns], [rows, 0]], real or complex: dense, or of a
+    sparse J that is banded but for its last columns; factors stay banded. J: (N, N + k); rows: (m,
+    N + k); columns: (N, m - k), none by default. Raises AnalysisError for a singular one."""
 
     def __init__(self, J: Matrix, rows: NDArray[Any], columns: NDArray[Any] | None = None):
         self.sparse, self.rows = issparse(J), len(rows)
         self.dtype = complex if np.iscomplexobj(J) else float
         if not self.sparse:
-            self._dense = self._full(J, rows, columns)
+            self._dense = self._factor_dense(J, rows, columns)
             return
         blocks: list[list[Any]] = [[J], [csc_array(LIGHT * rows)]]
         if columns is not None:
@@ -47,10 +46,10 @@ class Bordered:
         except (RuntimeError, ValueError):
             raise AnalysisError(SINGULAR) from None
 
-    def _full(
+    def _factor_dense(
         self, J: Matrix, rows: NDArray[Any], columns: NDArray[Any] | None
     ) -> tuple[NDArray[Any], NDArray[Any]]:
-        """Factors and their order."""
+        """Factor the dense matrix; return its LU factors and pivots."""
         (size, width), more = J.shape, 0 if columns is None else columns.shape[1]
         whole = np.zeros((size + len(rows), width + more), dtype=self.dtype)
         whole[:size, :width], whole[size:, :width] = J, rows
@@ -64,7 +63,7 @@ class Bordered:
         return factors, order
 
     def solve(self, right: NDArray[Any], transposed: bool = False) -> NDArray[Any]:
-        """z of (matrix) z = right, or of its transpose."""
+        """Solve (matrix) z = right for z, or with the transposed matrix."""
         if not self.sparse:
             made, _ = _lapack(self.dtype)[1](*self._dense, right, trans=int(transposed))
             return np.asarray(made)
@@ -76,23 +75,23 @@ class Bordered:
         return np.asarray(self._factors.solve(right * weights))
 
     @property
-    def sign(self) -> int:
-        """The sign of the determinant of a real matrix."""
+    def determinant_sign(self) -> int:
+        """Sign of the determinant of a real matrix."""
         if self.sparse:
-            return sign_of(self._factors)
+            return determinant_sign(self._factors)
         pivoted, order = self._dense
         swaps = int((order != np.arange(len(order))).sum())
         return int(np.sign(np.diagonal(pivoted)).prod()) * (-1 if swaps % 2 else 1)
 
 
-def sign_of(factors: Any) -> int:
-    """The sign of a determinant, from the factors of SuperLU."""
+def determinant_sign(factors: Any) -> int:
+    """Sign of a determinant, from the LU factors of SuperLU."""
     signs = int(np.sign(factors.U.diagonal()).prod())
-    return signs * _parity(factors.perm_r) * _parity(factors.perm_c)
+    return signs * _permutation_sign(factors.perm_r) * _permutation_sign(factors.perm_c)
 
 
-def _parity(order: NDArray[np.int_]) -> int:
-    """1 for an even permutation, -1 for an odd one."""
+def _permutation_sign(order: NDArray[np.int_]) -> int:
+    """Parity of a permutation: 1 for an even one, -1 for an odd one."""
     size = len(order)
     moves = csc_array((np.ones(size), (np.arange(size), order)), shape=(size, size))
     cycles = connected_components(moves)[0]

@@ -8,31 +8,36 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from rodgen.analyse.bounds import Bounds, OpenBounds, open_bounds_of
-from rodgen.analyse.confirm import ALIKE, contradiction, eigenvalues, onset_contradiction
-from rodgen.analyse.family import BASIS, HIGHEST, Family, family_of
-from rodgen.analyse.growth import SimulatedCritical, difference, simulated_of
-from rodgen.analyse.guard import guarded
-from rodgen.analyse.modal import DIVERGENCE, FLUTTER, MOST_DENSE, slight
-from rodgen.analyse.onset import At, Onset, digits, onset
-from rodgen.analyse.pencil import Dense, Pencil
+from rodgen.analyse.analysis_guard import guard_analysis
+from rodgen.analyse.eigenvalue_check import (
+    ALIKE,
+    find_contradiction,
+    find_onset_contradiction,
+    full_spectrum,
+)
+from rodgen.analyse.load_family import BASIS, HIGHEST, LoadFamily, load_family
+from rodgen.analyse.load_search import LoadSearch, StabilityChange, load_grid
+from rodgen.analyse.modal import DIVERGENCE, FLUTTER, MOST_DENSE, rounding_growth
+from rodgen.analyse.onset import At, Onset, format_with_error, solve_onset
+from rodgen.analyse.pencil import BlockPencil, DensePencil
+from rodgen.analyse.ranges import Bounds, OpenBounds, check_open_bounds
 from rodgen.analyse.scaled_load import (
     FOLLOWER,
     GROUPS,
+    find_term,
     label_of,
-    parameter_of,
-    scaled,
+    symbol_of,
     unit_of,
 )
-from rodgen.analyse.search import Event, Search, grid
+from rodgen.analyse.simulated_critical import SimulatedCritical, find_difference, simulate_critical
 from rodgen.analyse.state_result import TIME, StateResult
-from rodgen.analyse.zero_onset import zero_onset
+from rodgen.analyse.zero_onset import solve_zero_onset
 from rodgen.display import Plottable
 from rodgen.errors import AnalysisError, InputError
-from rodgen.result import ASKED, USUAL, WORD, Note, Row, doubt, hidden, remarks
+from rodgen.result import ASKED, USUAL, WORD, Note, Row, doubt, omit_from_tables, remarks
 from rodgen.scene import Scene
 from rodgen.scene.mesh import mesh_notes
-from rodgen.scene.plain import is_number
+from rodgen.scene.plain_tables import is_number
 from rodgen.system import System
 
 NARROWEST = 1e-6, 1e-9  # range that is searched: of EI/L^2, and of its ends
@@ -106,30 +111,36 @@ class Critical(StateResult, Plottable):
     ROWS = (
         Row("load", "load", text=lambda found: label_of(found.load)),
         Row("value", "critical load", UNIT, text=lambda found: found._value, kept=USUAL),
-        Row("unit", "unit", text=hidden),
+        Row("unit", "unit", text=omit_from_tables),
         Row("load_parameter", "load parameter", text=lambda found: found._parameter, kept=USUAL),
         Row("stiffness", "EI in it", "N m^2", text=lambda found: found._stiffness),
-        Row("applied", "load of the scene", UNIT, text=lambda found: found._applied),
+        Row("applied", "load of the scene", UNIT, text=lambda found: found._applied_text),
         Row("load_ratio", "load ratio", text=lambda found: found._ratio, kept=ASKED),
         Row("kind", "kind", text=lambda found: found._kind, kept=WORD),
-        Row("frequency", "frequency at onset", "Hz", text=lambda found: found._hertz, kept=USUAL),
-        Row("frequency_error", "error of the frequency", "Hz", text=hidden, kept=ASKED),
+        Row(
+            "frequency",
+            "frequency at onset",
+            "Hz",
+            text=lambda found: found._frequency_text,
+            kept=USUAL,
+        ),
+        Row("frequency_error", "error of the frequency", "Hz", text=omit_from_tables, kept=ASKED),
         Row("modes", "modes", text=lambda found: " and ".join(map(str, sorted({*found.modes})))),
         Row("error", "error, estimated", UNIT, ".1e", kept=USUAL),
-        Row("end", "end of the window", text=hidden),
+        Row("end", "end of the window", text=omit_from_tables),
         Row("state", "grows from the state"),
-        Row("searched", "searched", UNIT, text=lambda found: found._searched),
-        Row("complete", "modes looked at", text=lambda found: found._looked_at),
+        Row("searched", "searched", UNIT, text=lambda found: found._range_text),
+        Row("complete", "modes looked at", text=lambda found: found._modes_text),
         Row("growth", "grows already", "1/s", text=lambda found: found._growth, kept=ASKED),
         Row("windows", "stable", UNIT, text=lambda found: found._windows),
         Row("turning", "apart from that", "1/s", text=lambda found: found._turning, kept=ASKED),
-        Row("elastic", "turning left out", text=hidden),
-        Row("speed", "speed", "m/s", text=hidden, kept=ASKED),
+        Row("elastic", "turning left out", text=omit_from_tables),
+        Row("speed", "speed", "m/s", text=omit_from_tables, kept=ASKED),
         Row(
             "simulated",
             "by simulation",
             of=lambda found: found.simulated and found.simulated.to_dict(),
-            text=lambda found: found._simulated,
+            text=lambda found: found._simulation_rows,
         ),
         *TIME,
     )
@@ -138,7 +149,7 @@ class Critical(StateResult, Plottable):
     def stiffness(self) -> float:
         """EI in the load parameter [N m^2]: of a rod along which it differs, the mean of the
         springs of the inner joints times the length of a link."""
-        return self.scene.distribution.usual_stiffness
+        return self.scene.distribution.mean_stiffness
 
     @property
     def load_ratio(self) -> float:
@@ -146,20 +157,20 @@ class Critical(StateResult, Plottable):
         return self.applied / self.value if self.value else math.nan
 
     @property
-    def _scaled(self) -> tuple[str, ...]:
-        term = scaled(self.load)
-        return () if term is None else tuple(one.name for one in term.sizes)
+    def _scaled_parameters(self) -> tuple[str, ...]:
+        term = find_term(self.load)
+        return () if term is None else tuple(one.name for one in term.size_parameters)
 
     @property
     def _value(self) -> str:
-        return f"{digits(self.value, self.error)} {self.unit}"
+        return f"{format_with_error(self.value, self.error)} {self.unit}"
 
     @property
     def _parameter(self) -> dict[str, str]:
         if self.load in GROUPS:  # it is the value
             return {}
         error = self.error * self.load_parameter / (self.value or 1)
-        return {parameter_of(self.load): digits(self.load_parameter, error)}
+        return {symbol_of(self.load): format_with_error(self.load_parameter, error)}
 
     @property
     def _stiffness(self) -> str | None:
@@ -170,7 +181,7 @@ class Critical(StateResult, Plottable):
         return f"{self.stiffness:.10g} N m^2, {what}"
 
     @property
-    def _applied(self) -> str:
+    def _applied_text(self) -> str:
         if math.isnan(self.applied):
             return "follows the motion"
         return f"{self.applied:.9g} {self.unit}"
@@ -184,16 +195,16 @@ class Critical(StateResult, Plottable):
         return self.kind + ", where stability is regained" * (self.end == LOWER)
 
     @property
-    def _hertz(self) -> str:
-        return f"{digits(self.frequency, self.frequency_error)} Hz"
+    def _frequency_text(self) -> str:
+        return f"{format_with_error(self.frequency, self.frequency_error)} Hz"
 
     @property
-    def _searched(self) -> str:
+    def _range_text(self) -> str:
         low, high, count = self.searched
         return f"{low:g} to {high:g} {self.unit} at {count} sizes"
 
     @property
-    def _looked_at(self) -> str:
+    def _modes_text(self) -> str:
         return "all" if self.complete else f"the lowest {BASIS}"
 
     @property
@@ -214,17 +225,19 @@ class Critical(StateResult, Plottable):
         return turns if self.turning else None
 
     @property
-    def _simulated(self) -> dict[str, str]:
-        return {} if self.simulated is None else self.simulated._beside(self.value)
+    def _simulation_rows(self) -> dict[str, str]:
+        return {} if self.simulated is None else self.simulated._comparison_rows(self.value)
 
     def __repr__(self) -> str:
-        at = f" at {digits(self.frequency, self.frequency_error)} Hz" * bool(self.frequency)
+        at = f" at {format_with_error(self.frequency, self.frequency_error)} Hz" * bool(
+            self.frequency
+        )
         ends = "ends" if self.end == LOWER else "from"
-        where = f"{ends} {digits(self.value, self.error)} {self.unit}{at}"
+        where = f"{ends} {format_with_error(self.value, self.error)} {self.unit}{at}"
         return f"<Critical {self.load} of {self.scene.name}: {self.kind} {where}>"
 
 
-@guarded
+@guard_analysis
 def critical_load(
     system: System | Scene,
     *,
@@ -304,38 +317,41 @@ def critical_load(
     """
     if simulate is not None:
         _check_simulate(simulate, load)
-    family = family_of(system, t, speed, after, load)
-    if not family.whole:
+    family = load_family(system, t, speed, after, load)
+    if not family.n_modes:
         raise AnalysisError("no mode can become unstable: all motions move the rod as a whole")
     if end not in (UPPER, LOWER):
         raise InputError("end", end, f"{UPPER} or {LOWER}")
-    low, high = _range(bounds, family.unit)
-    forces = grid(low, high, family.unit)
-    search = Search(family, forces, BASIS, elastic)
-    growth = float(search.first.growth.max(initial=0.0))
-    if 0 < growth <= ALIKE * slight(0.0, family.lowest) and not eigenvalues(family, low).count:
+    low, high = _check_range(bounds, family.unit)
+    forces = load_grid(low, high, family.unit)
+    search = LoadSearch(family, forces, BASIS, elastic)
+    growth = float(search.first_motions.growth.max(initial=0.0))
+    if (
+        0 < growth <= ALIKE * rounding_growth(0.0, family.lowest_frequency)
+        and not full_spectrum(family, low).n_growing
+    ):
         growth = 0.0  # the rounding of a motion that nothing resists
     if growth and bounds[0] is None and end == UPPER and not windows:
-        raise AnalysisError(_unstable(search, growth))
-    found = _first(search, end, growth)
+        raise AnalysisError(_describe_instability(search, growth))
+    found = _find_first_onset(search, end, growth)
     looked = forces[: int(np.searchsorted(forces, found.force)) + 1]
-    complete = family.rod.cells <= MOST_DENSE
-    # A rod that is held and stays straight is what it is without the load.
-    same = family.straight and not family.rod.base
-    state = family.state(0.0 if same else found.force)
+    complete = family.rod.n_moving <= MOST_DENSE
+    # The state of a straight rod with fixed joint 0 does not depend on the load.
+    same = family.straight and not family.rod.n_base
+    state = family.steady_state(0.0 if same else found.force)
     simulated, doubts = None, tuple[Note, ...]()
     if simulate is not None:
-        simulated, doubts = _by_simulation(family, found.force, simulate, progress)
+        simulated, doubts = _simulate_critical(family, found.force, simulate, progress)
     return Critical(
         value=found.force,
         load_parameter=found.force / family.load.reference,
-        kind=_kind(search, found),
+        kind=_classify_onset(search, found),
         frequency=found.s.imag / (2 * np.pi),
-        modes=_pair(family, found, end, family.whole if complete else BASIS),
-        turning=family.turning(found.force),
+        modes=_mode_pair(family, found, end, family.n_modes if complete else BASIS),
+        turning=family.rotation_growth(found.force),
         error=found.error,
         searched=(low, float(looked[-1]), len(looked)),
-        state=state.words,
+        state=state.description,
         complete=complete,
         speed=family.rod.speed,
         notes=(*state.notes, *doubts, *remarks(mesh_notes(family.rod.system.source))),
@@ -345,7 +361,7 @@ def critical_load(
         end=end,
         growth=growth,
         elastic=elastic,
-        windows=tuple(_windows(search)) if windows else None,
+        windows=tuple(_refined_windows(search)) if windows else None,
         frequency_error=found.rate_error / (2 * np.pi),
         simulated=simulated,
         system=family.rod.system,
@@ -353,7 +369,7 @@ def critical_load(
 
 
 def _check_simulate(span: object, load: str | None) -> None:
-    """Raise InputError for a length of simulations that is none, and for loads that they do not
+    """Raise InputError for an unusable length of simulations, and for loads that they do not
     find."""
     if not (is_number(span) and 0 < span < math.inf):
         raise InputError("simulate", span, "a positive number of seconds")
@@ -361,22 +377,22 @@ def _check_simulate(span: object, load: str | None) -> None:
         raise InputError("simulate", span, "absent: runs find a follower force alone")
 
 
-def _by_simulation(
-    family: Family, force: float, span: float, progress: Callable[[float, bool], None]
+def _simulate_critical(
+    family: LoadFamily, force: float, span: float, progress: Callable[[float, bool], None]
 ) -> tuple[SimulatedCritical | None, tuple[Note, ...]]:
-    """The critical force by simulations, and what is doubtful where it is another, or none."""
+    """Find the critical force by simulations, with a doubt where it differs or is not found."""
     try:
-        found = simulated_of(family, span, progress=progress)
+        found = simulate_critical(family, span, progress=progress)
     except AnalysisError as error:
         return None, (doubt(f"by simulation: {error}"),)
-    return found, tuple(difference(force, found, family))
+    return found, tuple(find_difference(force, found, family))
 
 
-def _range(bounds: OpenBounds, unit: float) -> Bounds:
-    """Ends of the search; raises InputError for what are none."""
+def _check_range(bounds: OpenBounds, unit: float) -> Bounds:
+    """Return the bounds of the search. Raises InputError for an empty range."""
     low, high = (
         float(default if one is None else one)
-        for one, default in zip(open_bounds_of(bounds), (0.0, HIGHEST * unit), strict=True)
+        for one, default in zip(check_open_bounds(bounds), (0.0, HIGHEST * unit), strict=True)
     )
     least = max(NARROWEST[0] * unit, NARROWEST[1] * max(abs(low), abs(high)))
     if not high - low >= least:
@@ -384,132 +400,139 @@ def _range(bounds: OpenBounds, unit: float) -> Bounds:
     return low, high
 
 
-def _unstable(search: Search, growth: float) -> str:
-    """What is said of a rod that is unstable from the start."""
+def _describe_instability(search: LoadSearch, growth: float) -> str:
+    """Describe a rod that is unstable from the start, and where it is stable."""
     low, unit = search.forces[0], unit_of(search.family.load.name)
     said = f"unstable already at the lowest size of the search, {low:g} {unit}: "
     said += f"a motion grows with {growth:.3g} 1/s"
-    found = [f"{a:.6g} to {b:.6g}" for a, b in _rough(search)]
+    found = [f"{a:.6g} to {b:.6g}" for a, b in _rough_windows(search)]
     if not found:
         return said
     where = f"stable from {', '.join(found)} {unit}"
     return f"{said}; {where} (a lower bound within finds where that ends)"
 
 
-def _rough(search: Search) -> list[tuple[float, float]]:
-    """Windows of stability, their ends by bisection."""
-    return _between(search, lambda event: search.near(event).force)
+def _rough_windows(search: LoadSearch) -> list[tuple[float, float]]:
+    """Windows of stability, with ends by bisection."""
+    return _windows_between(search, lambda event: search.locate(event).force)
 
 
-def _windows(search: Search) -> list[tuple[float, float]]:
-    """Windows of stability, their ends to the last digits."""
-    return _between(search, lambda event: _onset(search, search.near(event)).force)
+def _refined_windows(search: LoadSearch) -> list[tuple[float, float]]:
+    """Windows of stability, with ends to the last digits."""
+    return _windows_between(search, lambda event: _refine_onset(search, search.locate(event)).force)
 
 
-def _between(search: Search, solved: Callable[[Event], float]) -> list[tuple[float, float]]:
-    events = list(search.borders())
+def _windows_between(
+    search: LoadSearch, solved: Callable[[StabilityChange], float]
+) -> list[tuple[float, float]]:
+    events = list(search.stability_borders())
     first, last = (float(search.forces[at]) for at in (0, -1))
-    ends = [first] * (not (events[0].before if events else search.counts(search.forces[:1])[0]))
+    ends = [first] * (
+        not (events[0].before if events else search.count_growing(search.forces[:1])[0])
+    )
     ends += [solved(event) for event in events]
     ends += [last] * (len(ends) % 2)
     return list(zip(ends[::2], ends[1::2], strict=True))
 
 
-def _first(search: Search, end: str, growth: float) -> Onset:
-    """The first onset with all links, from a search in a few modes; in all of them where those did
-    not do. Raises AnalysisError, too where what grows is not what the eigenvalues say."""
+def _find_first_onset(search: LoadSearch, end: str, growth: float) -> Onset:
+    """Find the first onset with all links, from a search in a few modes, or in all where those
+    fail. Raises AnalysisError, also where eigenvalues contradict the search."""
     family, why = search.family, AnalysisError("")
-    many = family.rod.cells > MOST_DENSE
-    enough = many or family.whole <= BASIS
-    for one in [search] if enough else [search, replace(search, modes=family.whole)]:
-        near = _found(one, end)
+    many = family.rod.n_moving > MOST_DENSE
+    enough = many or family.n_modes <= BASIS
+    for one in [search] if enough else [search, replace(search, modes=family.n_modes)]:
+        near = _estimate_first_onset(one, end)
         try:
-            found = None if near is None else _onset(one, near)
+            found = None if near is None else _refine_onset(one, near)
         except AnalysisError as error:
             why = error
             continue
         low, high = float(search.forces[0]), float(search.forces[-1])
         if found is None:
-            why = AnalysisError(_none(one, end, growth))
-            apart = contradiction(one, (low, (low + high) / 2, high))
+            why = AnalysisError(_describe_no_onset(one, end, growth))
+            apart = find_contradiction(one, (low, (low + high) / 2, high))
             if not apart:
                 break
         else:
             ways = low + np.array(CHECKED) * (found.force - low)
-            # The modes of many links are those of the whole unloaded rod already.
-            apart = contradiction(one, [] if many else ways.tolist())
-            apart = apart or onset_contradiction(one, found, end == UPPER)
+            # A search for many links is already in the lowest modes of the whole rod.
+            apart = find_contradiction(one, [] if many else ways.tolist())
+            apart = apart or find_onset_contradiction(one, found, end == UPPER)
             if not apart:
                 return found
         why = AnalysisError(apart)
     raise why
 
 
-def _found(search: Search, end: str) -> Onset | None:
-    """The first event that is asked for, roughly."""
-    ends = (event for event in search.borders() if not event.after)
-    event = next(search.begins() if end == UPPER else ends, None)
-    return None if event is None else search.near(event)
+def _estimate_first_onset(search: LoadSearch, end: str) -> Onset | None:
+    """Estimate the first onset of the requested kind; None where there is none."""
+    ends = (event for event in search.stability_borders() if not event.after)
+    event = next(search.onsets() if end == UPPER else ends, None)
+    return None if event is None else search.locate(event)
 
 
-def _none(search: Search, end: str, growth: float) -> str:
-    """What is said where there is no such event."""
+def _describe_no_onset(search: LoadSearch, end: str, growth: float) -> str:
+    """Describe a range without the requested onset."""
     low, high = search.forces[[0, -1]]
     where = f"between {low:g} and {high:g} {unit_of(search.family.load.name)}"
     if end == LOWER:
         what = f"no lower end of a window of stability {where}"
     elif growth:
-        what = f"{_unstable(search, growth)}; no other motion begins to grow {where}"
+        what = f"{_describe_instability(search, growth)}; no other motion begins to grow {where}"
     else:
         what = f"neither flutter nor divergence {where}"
-    modes = min(search.modes, search.family.whole)
+    modes = min(search.modes, search.family.n_modes)
     return f"{what} ({len(search.forces)} forces, the lowest {modes} modes)"
 
 
-def _onset(search: Search, near: Onset) -> Onset:
-    """The onset with all links, next to an estimate; that which is next to the lowest force is
+def _refine_onset(search: LoadSearch, near: Onset) -> Onset:
+    """Refine an estimate to the onset with all links. One within rounding of the lowest force lies
     there, since the motion grows under every larger one."""
     family, lowest = search.family, float(search.forces[0])
-    if near.s == 0 and family.neutral.steps:
-        found = zero_onset(family.without_neutral, near, family.unit)
+    if near.s == 0 and family.neutral_motions.steps:
+        found = solve_zero_onset(family.matrix_without_neutral, near, family.unit)
     else:
-        found = onset(_equations(family, near), near, family.unit, family.straight)
+        found = solve_onset(_choose_equations(family, near), near, family.unit, family.straight)
     if found.force - found.error < lowest + AT_ONCE * family.unit:
         return replace(found, force=lowest)
-    if found.error > KNOWN * abs(found.force) and family.whole <= BASIS:
+    if found.error > KNOWN * abs(found.force) and family.n_modes <= BASIS:
+        about = format_with_error(found.force, found.error)
         raise AnalysisError(
-            f"an onset near {digits(found.force, found.error)} {unit_of(family.load.name)} is "
-            f"known to {found.error / abs(found.force):.1e} of it only, by rounding"
+            f"an onset near {about} {unit_of(family.load.name)} is known to "
+            f"{found.error / abs(found.force):.1e} of it only, by rounding"
         )
     return found
 
 
-def _equations(family: Family, near: Onset) -> At:
-    """Where almost nothing oscillates, turning the whole rod would be next to singular too."""
+def _choose_equations(family: LoadFamily, near: Onset) -> At:
+    """Choose the equations for an onset; near s = 0 those in which turning does not interfere."""
     if near.s == 0:  # of stiffness alone
-        return family.without_turning
-    if abs(near.s) >= SLOW * family.lowest or not isinstance(family.at(near.force), Pencil):
-        return family.at
-    return family.modal if family.whole <= BASIS else family.without_turning
+        return family.without_rotation
+    if abs(near.s) >= SLOW * family.lowest_frequency or not isinstance(
+        family.linearise(near.force), BlockPencil
+    ):
+        return family.linearise
+    return family.modal_pencil if family.n_modes <= BASIS else family.without_rotation
 
 
-def _kind(search: Search, found: Onset) -> str:
-    """Flutter, divergence, or the turning of the whole rod, by the angles of what grows."""
-    family, here = search.family, search.family.at(found.force)
-    turns = family.bare is not None and family.rod.base and not search.elastic
-    if isinstance(here, Dense) and turns:
-        shape = np.linalg.svd(here.at(found.s))[2][-1, -family.rod.cells :]
+def _classify_onset(search: LoadSearch, found: Onset) -> str:
+    """Classify an onset by the shape of its motion: flutter, divergence, or turning of the rod."""
+    family, here = search.family, search.family.linearise(found.force)
+    turns = family.without_damping is not None and family.rod.n_base and not search.elastic
+    if isinstance(here, DensePencil) and turns:
+        shape = np.linalg.svd(here.at(found.s))[2][-1, -family.rod.n_moving :]
         common = abs(shape.mean()) ** 2 * len(shape)
-        if common >= WHOLE * np.linalg.norm(shape) ** 2 and not family.diverges(found.force):
+        if common >= WHOLE * np.linalg.norm(shape) ** 2 and not family.has_divergence(found.force):
             return TURNING
     return FLUTTER if found.s else DIVERGENCE
 
 
-def _pair(family: Family, found: Onset, end: str, modes: int) -> tuple[int, int]:
-    """Numbers of the modes, by frequency just below the force, or just above a lower end."""
+def _mode_pair(family: LoadFamily, found: Onset, end: str, modes: int) -> tuple[int, int]:
+    """Numbers of the modes that meet, by frequency just below the force, or above a lower end."""
     beside = found.force * (1 - 1e-5 if end == UPPER else 1 + 1e-5)
-    s = family.rates(np.array([beside]), modes)[0]
-    rates = np.sort(s.imag[s.imag > family.rigid])
+    s = family.eigenvalues(np.array([beside]), modes)[0]
+    rates = np.sort(s.imag[s.imag > family.zero_tolerance])
     if not found.s or len(rates) < 2:
         return 1, 1
     nearest = np.argsort(np.abs(rates - found.s.imag))[:2] + 1

@@ -1,4 +1,4 @@
-"""What the module of a scene will hold, what is left out and why, and by which method it is run."""
+"""Description of a scene before it is run: the terms of its module, and its method."""
 
 from __future__ import annotations
 
@@ -12,28 +12,28 @@ from typing import Any
 
 import numpy as np
 
-from rodgen.analyse.guard import guarded
-from rodgen.analyse.sizes import SHOW, check_size
+from rodgen.analyse.analysis_guard import guard_analysis
+from rodgen.analyse.memory_needs import SHOW, check_analysis_memory
 from rodgen.arrays import Array
-from rodgen.integrate.catalogue import Piece as Sample
 from rodgen.integrate.diagnosis import drift_doubt
-from rodgen.integrate.methods.choose import Choice, choose, described, fastest_motion
-from rodgen.integrate.stability import limit
+from rodgen.integrate.methods.method_choice import Choice, choose, describe_motion, fastest_motion
+from rodgen.integrate.quantity_formulas import MotionSlice as Sample
+from rodgen.integrate.stability import step_limit
 from rodgen.model.methods import FIXED_STEP
-from rodgen.progress import tell
-from rodgen.result import Note, Result, Row, hidden, remarks
+from rodgen.progress import report_stage
+from rodgen.result import Note, Result, Row, omit_from_tables, remarks
 from rodgen.scene import Scene
-from rodgen.scene.contents import Piece, contents
 from rodgen.scene.mesh import mesh_notes
+from rodgen.scene.model_contents import ModelPart, model_parts
 from rodgen.system import System
 
 MOST_LISTED = 10  # break points
-TABLED = re.compile(r"(_(?:knot|value))_\d+$")  # how the numbers of a table are called
+TABLED = re.compile(r"(_(?:knot|value))_\d+$")  # names of the numbers of a table
 
 
 @dataclass(frozen=True, repr=False)
 class Description(Result):
-    """What there is to know about a scene before it is run.
+    """Description of a scene before it is run.
 
     pieces: terms that a module can have, whether this one has them, and why; choice: the method,
     and why; centre_of_gravity: at the start (2,) [m]; fastest_motion: at the start, in words, None
@@ -46,10 +46,10 @@ class Description(Result):
     >>> import rodgen
     >>> found = rodgen.describe(rodgen.Scene.example("ziegler"))
     >>> found.links, [piece.piece for piece in found.pieces if piece.present][:1]
-    (2, ['2 moving links'])
+    (3, ['2 moving links'])
     """
 
-    pieces: tuple[Piece, ...]
+    pieces: tuple[ModelPart, ...]
     choice: Choice
     centre_of_gravity: Array
     fastest_motion: str | None
@@ -61,13 +61,13 @@ class Description(Result):
         Row("name", "scene"),
         Row("module", "module", of=lambda found: found.system.structure.stem),
         Row("structure", "structure", of=lambda found: found.system.structure.hash),
-        Row("links", "links", text=hidden),
+        Row("links", "links", text=omit_from_tables),
         Row("states", "values of the state", of=lambda found: len(found.system.y0)),
         Row(
             "parameters",
             "parameters",
             of=lambda found: dict(found._parameters()),
-            text=lambda found: ", ".join(_in_tables(found.system.structure.parameters)),
+            text=lambda found: ", ".join(_group_table_entries(found.system.structure.parameters)),
         ),
         Row("mass", "mass at the start", "kg", ".9g"),
         Row(
@@ -86,7 +86,7 @@ class Description(Result):
             "break points",
             "s",
             of=lambda found: found.system.scene.breaks(),
-            text=lambda found: _listed(found.system.scene.breaks()),
+            text=lambda found: _format_times(found.system.scene.breaks()),
         ),
         Row(
             "events",
@@ -125,21 +125,21 @@ class Description(Result):
         return "; ".join(said) or None
 
     def _parameters(self) -> Iterator[tuple[str, Any]]:
-        """Parameters of the module, of tables how many rows these have."""
+        """Parameters of the module; of a table the number of its rows."""
         rows = dict(self.system.structure.tables)
         for name, value in self.system.scene.parameters.items():
             yield name, {"rows": rows[name]} if name in rows else value
 
-    def __iter__(self) -> Iterator[Piece]:
+    def __iter__(self) -> Iterator[ModelPart]:
         return iter(self.pieces)
 
     def __repr__(self) -> str:
         return f"<Description of {self.name}: {self.links} links, by {self.choice.method}>"
 
 
-@guarded
+@guard_analysis
 def describe(system: System | Scene) -> Description:
-    """Return what the module of a scene will hold, what is left out and why, and how it is run.
+    """Describe a scene before it is run: the terms of its module, with reasons, and its method.
 
     Parameters
     ----------
@@ -163,19 +163,19 @@ def describe(system: System | Scene) -> Description:
     'dop853'
     """
     system = System.of(system)
-    check_size(SHOW, system)
+    check_analysis_memory(SHOW, system)
     scene, model = system.scene, system.model()
     choice = choose(system, model)
-    tell("looking for the fastest motion")
+    report_stage("looking for the fastest motion")
     words, limits = None, dict[str, float]()
     with suppress(ArithmeticError):  # the run will say so
         fastest = fastest_motion(system, model)
-        limits = {name: limit(name, fastest.value, fastest.partner) for name in FIXED_STEP}
-        words = described(fastest)
+        limits = {name: step_limit(name, fastest.value, fastest.partner) for name in FIXED_STEP}
+        words = describe_motion(fastest)
     start = Sample(model, system.p, system.y0, np.array(system.settings.span[0]))
     drifts = drift_doubt(system)
     return Description(
-        pieces=tuple(contents(scene)),
+        pieces=tuple(model_parts(scene)),
         choice=choice,
         centre_of_gravity=np.asarray(start.values("centre_of_gravity")),
         fastest_motion=words,
@@ -189,15 +189,15 @@ def describe(system: System | Scene) -> Description:
     )
 
 
-def _in_tables(names: Iterable[str]) -> Iterator[str]:
-    """Names of parameters, those of the numbers of a table as one."""
+def _group_table_entries(names: Iterable[str]) -> Iterator[str]:
+    """Yield names of parameters, with one name for all numbers of a table."""
     for stem, group in groupby(names, lambda name: TABLED.sub(r"\1", name)):
         found = [*group]
         yield found[0] if len(found) == 1 else f"{stem}_1 to {len(found)}"
 
 
-def _listed(times: list[float]) -> str:
-    """The first of them, and how many there are."""
+def _format_times(times: list[float]) -> str:
+    """Format the first times of a list, and their number."""
     first = ", ".join(f"{t:g}" for t in times[:MOST_LISTED]) or "none"
     unit, rest = " s" * bool(times), f" ... ({len(times)} in all)"
     return first + unit + rest * (len(times) > MOST_LISTED)

@@ -9,23 +9,29 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from rodgen.analyse.balance import free_ways
-from rodgen.analyse.eigen import MOST_DENSE, Values, all_values, lowest_values, refined
-from rodgen.analyse.guard import guarded
+from rodgen.analyse.analysis_guard import guard_analysis
+from rodgen.analyse.eigenvalues import (
+    MOST_DENSE,
+    EigenSolution,
+    all_eigenvalues,
+    lowest_eigenvalues,
+    refine_eigenvalues,
+)
+from rodgen.analyse.equilibrium_equations import free_directions
+from rodgen.analyse.memory_needs import MODES, check_analysis_memory
 from rodgen.analyse.modal import CRUDE, ROUNDING
-from rodgen.analyse.pencil import Dense, Pencil
-from rodgen.analyse.sizes import MODES, check_size
+from rodgen.analyse.pencil import BlockPencil, DensePencil
 from rodgen.analyse.state_result import TIME, StateResult
-from rodgen.analyse.steady import Steady, linearised, steady
 from rodgen.analyse.steady_rod import SteadyRod, state_after
+from rodgen.analyse.steady_state import SteadyState, find_steady_state, linearise
 from rodgen.arrays import Array
 from rodgen.display import Plottable
 from rodgen.errors import InputError
-from rodgen.progress import tell
-from rodgen.result import ASKED, FLAG, Kept, Note, Row, doubt, hidden, remarks
+from rodgen.progress import report_stage
+from rodgen.result import ASKED, FLAG, Note, Row, StudyStorage, doubt, omit_from_tables, remarks
 from rodgen.scene import Scene
 from rodgen.scene.mesh import mesh_notes
-from rodgen.scene.plain import plain
+from rodgen.scene.plain_tables import to_plain
 from rodgen.system import System
 
 DENSE = 24  # links up to which all eigenvalues are computed; the lowest alone beyond
@@ -37,11 +43,11 @@ NAMED = 3  # frequencies in a line of text
 NUDGE = 1e-6  # rad, of the differences by which shapes are drawn: errors are its square
 
 
-SOME = Kept(usual=True, several=4)
+SOME = StudyStorage(usual=True, several=4)
 RIGID_WAYS = "", " (turning)", " (moving along and across)", " (moving and turning)"
 
 
-def _if_damped(found: Modes) -> str | None:
+def _hide_without_growth(found: Modes) -> str | None:
     """Leave a column out where nothing grows or dies away."""
     return "" if found.growth.any() else None
 
@@ -54,10 +60,10 @@ class Modes(StateResult, Plottable):
     phi: (k, n), shapes as angles of the links; displacements: (k, n+1, 2), shapes as displacements
     of the joints, the largest 1, complex with damping or growth; state: the steady state; rigid:
     number of motions of the rod as a whole without frequency, which are left out; overdamped:
-    number of computed motions without frequency, which are left out too; joints: (n+1, 2), places
+    number of computed motions without oscillation, which are left out too; joints: (n+1, 2), places
     in the steady state [m]; speed: of a free rod along its axis, nose first [m/s]; notes: which
     motions grow, what to know about the speed, and about damping that depends on the number of
-    links; system: what vibrates, with the loads of one time.
+    links; system: the rod, with the loads of one time.
 
     Examples
     --------
@@ -82,14 +88,14 @@ class Modes(StateResult, Plottable):
     ROWS = (
         Row("frequencies", "frequency", "Hz", along="mode", kept=SOME),
         Row("periods", "period", "s", ".6g", along="mode"),
-        Row("growth", "growth", "1/s", ".6g", along="mode", kept=SOME, text=_if_damped),
-        Row("damping_ratios", "damping ratio", "", ".6g", along="mode", text=_if_damped),
-        Row("largest_growth", "largest growth", "1/s", kept=ASKED, text=hidden),
+        Row("growth", "growth", "1/s", ".6g", along="mode", kept=SOME, text=_hide_without_growth),
+        Row("damping_ratios", "damping ratio", "", ".6g", along="mode", text=_hide_without_growth),
+        Row("largest_growth", "largest growth", "1/s", kept=ASKED, text=omit_from_tables),
         Row("stable", "stable", kept=FLAG),
         Row("state", "state"),
-        Row("rigid", "left out", text=lambda found: found._left_out),
-        Row("overdamped", "overdamped motions", text=hidden),
-        Row("speed", "speed", "m/s", text=hidden),
+        Row("rigid", "left out", text=lambda found: found._rigid_text),
+        Row("overdamped", "overdamped motions", text=omit_from_tables),
+        Row("speed", "speed", "m/s", text=omit_from_tables),
         *TIME,
     )
 
@@ -118,8 +124,8 @@ class Modes(StateResult, Plottable):
         return self.largest_growth <= 0
 
     @property
-    def _left_out(self) -> str:
-        """Motions without a frequency, in words."""
+    def _rigid_text(self) -> str:
+        """Description of the motions without a frequency."""
         s = "s" * (self.rigid != 1)
         words = f"{self.rigid or 'no'} rigid-body motion{s}{RIGID_WAYS[self.rigid]}"
         if not self.overdamped:
@@ -136,7 +142,7 @@ class Modes(StateResult, Plottable):
         return f"<Modes of {self.scene.name}: {found}, {self.state}{grow}>"
 
 
-@guarded
+@guard_analysis
 def natural_modes(
     system: System | Scene,
     count: int = 10,
@@ -190,26 +196,26 @@ def natural_modes(
     >>> modes.frequencies.round(3)
     array([0.276, 0.432, 1.725])
     """
-    count = plain(count, "count")
+    count = to_plain(count, "count")
     if not isinstance(count, int) or count < 1:
         raise InputError("count", count, "a whole number of at least 1")
     system = System.of(system)
-    check_size(MODES, system, count=count, few=max(DENSE, 3 * count))
+    check_analysis_memory(MODES, system, count=count, few=max(DENSE, 3 * count))
     system, t = state_after(system, t, speed, after)
     rod = SteadyRod.of(system, t, speed)
-    return modes_about(steady(rod), count)
+    return modes_about(find_steady_state(rod), count)
 
 
-def modes_about(state: Steady, count: int) -> Modes:
-    """The lowest natural frequencies and mode shapes about a steady state, ``count`` at most."""
+def modes_about(state: SteadyState, count: int) -> Modes:
+    """Compute the lowest natural frequencies and mode shapes about a steady state."""
     rod = state.rod
-    pencil = state.dense(whole=True) if rod.steered else linearised(state)
-    found = _found(state, pencil, count)
+    pencil = state.dense_pencil(whole=True) if rod.has_feedback else linearise(state)
+    found = _find_eigenvalues(state, pencil, count)
     s, vectors = found.s, found.vectors
-    moves, kept = _oscillating(s, count)
-    phi, moved = _shapes(state, s[kept], vectors[:, kept].T)
+    moves, kept = _select_modes(s, count)
+    phi, moved = _mode_shapes(state, s[kept], vectors[:, kept].T)
     growth = s.real[kept]
-    least = 0.0 if pencil.damped else STILL * np.abs(s[kept])
+    least = 0.0 if pencil.is_damped else STILL * np.abs(s[kept])
     rounded = CRUDE * ROUNDING * np.abs(s).max(initial=0.0)
     real = (np.abs(growth) > least) & ((growth < 0) | (growth > rounded))
     growth = np.where(real, growth, 0.0)
@@ -218,22 +224,22 @@ def modes_about(state: Steady, count: int) -> Modes:
         growth=growth,
         phi=phi,
         displacements=moved,
-        joints=rod.model.joints(rod.at_rest(state.at), state.p),
-        state=state.words,
-        rigid=_rigid(state),
+        joints=rod.model.joints(rod.state_at_rest(state.at), state.p),
+        state=state.description,
+        rigid=_count_rigid(state),
         overdamped=int((~moves & (s.real < 0)).sum()),
         speed=rod.speed,
         notes=(
-            *_unstable(growth),
+            *_instability_doubts(growth),
             *state.notes,
-            *remarks(mesh_notes(rod.scene) + (SLACK,) * rod.scene.slack),
+            *remarks(mesh_notes(rod.scene) + (SLACK,) * rod.scene.has_no_tangent_stiffness),
         ),
         system=rod.system,
     )
 
 
-def _unstable(growth: Array) -> Iterator[Note]:
-    """The doubt about a state about which motions grow."""
+def _instability_doubts(growth: Array) -> Iterator[Note]:
+    """Yield the doubt about a state about which motions grow."""
     numbers = [str(k + 1) for k in np.flatnonzero(growth > 0)]
     if numbers:
         which = f"mode {numbers[0]} grows"
@@ -242,26 +248,32 @@ def _unstable(growth: Array) -> Iterator[Note]:
         yield doubt(f"this state is unstable: {which}", growth=float(growth.max()))
 
 
-def _found(state: Steady, pencil: Pencil | Dense, count: int) -> Values:
-    """All eigenvalues, or enough of them."""
-    cells, turns = state.rod.cells, state.turns_freely
-    tell("looking for eigenvalues")
-    if isinstance(pencil, Dense):
-        return all_values(pencil)
-    if cells <= max(DENSE, 3 * count) or (pencil.damped and cells <= MOST_DENSE):
-        found = all_values(pencil, turns)
-        return refined(pencil, found, _oscillating(found.s, count)[1]) if cells > DENSE else found
+def _find_eigenvalues(
+    state: SteadyState, pencil: BlockPencil | DensePencil, count: int
+) -> EigenSolution:
+    """Compute all eigenvalues, or enough of the lowest."""
+    cells, turns = state.rod.n_moving, state.has_free_rotation
+    report_stage("looking for eigenvalues")
+    if isinstance(pencil, DensePencil):
+        return all_eigenvalues(pencil)
+    if cells <= max(DENSE, 3 * count) or (pencil.is_damped and cells <= MOST_DENSE):
+        found = all_eigenvalues(pencil, turns)
+        return (
+            refine_eigenvalues(pencil, found, _select_modes(found.s, count)[1])
+            if cells > DENSE
+            else found
+        )
     asked = count
     while True:
-        found = lowest_values(pencil, asked, state.turning if turns else None)
-        if len(_oscillating(found.s, count)[1]) >= count or asked >= FARTHEST * count:
+        found = lowest_eigenvalues(pencil, asked, state.rigid_rotation if turns else None)
+        if len(_select_modes(found.s, count)[1]) >= count or asked >= FARTHEST * count:
             return found
         asked *= 2  # overdamped motions have taken the places
 
 
-def _oscillating(s: NDArray[Any], count: int) -> tuple[NDArray[Any], NDArray[Any]]:
-    """Which eigenvalues oscillate before they have died away; the numbers of the lowest ``count``
-    of them and of all that grow, by frequency."""
+def _select_modes(s: NDArray[Any], count: int) -> tuple[NDArray[Any], NDArray[Any]]:
+    """Flags of eigenvalues that oscillate before they have died away; numbers of the lowest
+    ``count`` of them and of all that grow, by frequency."""
     moves = s.imag > np.maximum(STILL * np.abs(s), -GONE * s.real)
     grows = s.real > STILL * np.abs(s)
     kept = np.flatnonzero(moves | grows)
@@ -269,59 +281,59 @@ def _oscillating(s: NDArray[Any], count: int) -> tuple[NDArray[Any], NDArray[Any
     return moves, kept[(np.arange(len(kept)) < count) | grows[kept]]
 
 
-def _rigid(state: Steady) -> int:
-    """Motions that move or turn the rod as a whole, without a frequency."""
+def _count_rigid(state: SteadyState) -> int:
+    """Number of motions without frequency that move or turn the rod as a whole."""
     rod = state.rod
-    if rod.base and rod.anchored:
-        return len(free_ways(rod, state.at, state.p))
-    return rod.base + state.turns_freely
+    if rod.n_base and rod.has_supports:
+        return len(free_directions(rod, state.at, state.p))
+    return rod.n_base + state.has_free_rotation
 
 
-def _shapes(
-    state: Steady, s: NDArray[Any], vectors: NDArray[Any]
+def _mode_shapes(
+    state: SteadyState, s: NDArray[Any], vectors: NDArray[Any]
 ) -> tuple[NDArray[Any], NDArray[Any]]:
-    """Angles (k, n) and displacements (k, n+1, 2) of modes from their vectors (k, coordinates):
-    those of the angles, or before them the displacement of joint 0 across the rod."""
-    rod, across = state.rod, vectors[:, : -state.rod.cells]
-    q = np.zeros((len(s), rod.base + rod.cells), dtype=complex)
-    q[:, rod.base :] = vectors[:, -rod.cells :]
+    """Angles (k, n) and displacements (k, n+1, 2) of modes from their vectors (k, coordinates),
+    which hold the angles and, before them, displacements of a free joint 0."""
+    rod, across = state.rod, vectors[:, : -state.rod.n_moving]
+    q = np.zeros((len(s), rod.n_base + rod.n_moving), dtype=complex)
+    q[:, rod.n_base :] = vectors[:, -rod.n_moving :]
     if across.shape[1] == 1:
         across = across * [-np.sin(state.phi[0]), np.cos(state.phi[0])]
     if across.size:
         q[:, :2] = across
     q /= np.abs(q).max(axis=1, keepdims=True)
-    if rod.base and not across.size:
-        q[:, :2] = _base(state, s, q)
-    parts = [_displaced(state, part) for part in (q.real, q.imag)]
+    if rod.n_base and not across.size:
+        q[:, :2] = _base_displacements(state, s, q)
+    parts = [_joint_displacements(state, part) for part in (q.real, q.imag)]
     moved = parts[0] + 1j * parts[1]
     flat = moved.reshape(len(s), moved[0].size if len(s) else 1)
     at = np.abs(flat).argmax(axis=1)
     largest = flat[np.arange(len(s)), at][:, None]
-    phi = rod.all_links(q[:, rod.base :])
-    phi[:, : rod.scene.held] = 0.0
+    phi = rod.all_angles(q[:, rod.n_base :])
+    phi[:, : rod.scene.n_fixed_links] = 0.0
     phi, moved = phi / largest, moved / largest[..., None]
     real = np.abs(phi.imag).max(initial=0.0) <= 1e3 * STILL * np.abs(phi).max(initial=0.0)
     return (phi.real, moved.real) if real else (phi, moved)
 
 
-def _base(state: Steady, s: NDArray[Any], q: NDArray[Any]) -> NDArray[Any]:
+def _base_displacements(state: SteadyState, s: NDArray[Any], q: NDArray[Any]) -> NDArray[Any]:
     """Displacements (k, 2) of joint 0 that go with the angles: its acceleration over s^2."""
-    rod, y = state.rod, state.rod.flying(state.at)
+    rod, y = state.rod, state.rod.state_in_flight(state.at)
     base = np.zeros((len(s), 2), dtype=complex)
     for at, (rate, shape) in enumerate(zip(s, q, strict=True)):
         change = np.concatenate((shape, np.zeros_like(shape)))
         # Rates are small and their effect linear: internal damping.
         change[len(shape) :] = rate * shape
         for unit, part in ((1.0, change.real), (1j, change.imag)):
-            up, down = (rod.rates(y + sign * NUDGE * part, state.p) for sign in (1, -1))
+            up, down = (rod.accelerations(y + sign * NUDGE * part, state.p) for sign in (1, -1))
             base[at] += unit * (up - down)[:2] / (2 * NUDGE * rate**2)
     return base
 
 
-def _displaced(state: Steady, q: Array) -> Array:
-    """Displacements (k, n+1, 2) of the joints for coordinates (k, coordinates)."""
+def _joint_displacements(state: SteadyState, q: Array) -> Array:
+    """Displacements (k, n+1, 2) of joints for changes of coordinates (k, coordinates)."""
     rod = state.rod
-    y = np.tile(rod.at_rest(state.at), (len(q), 1))
+    y = np.tile(rod.state_at_rest(state.at), (len(q), 1))
     y[:, : q.shape[1]] += NUDGE * q
     up = rod.model.joints(y, state.p)
     y[:, : q.shape[1]] -= 2 * NUDGE * q

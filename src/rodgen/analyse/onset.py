@@ -1,5 +1,4 @@
-"""The load at which stability is lost, to the last digits: Newton's method on the equations of a
-crossing."""
+"""Onset of instability, to the last digits: Newton's method on the equations of a crossing."""
 
 from __future__ import annotations
 
@@ -8,9 +7,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from rodgen.analyse.crossing import Border, CrossingEquations, kind_of
+from rodgen.analyse.crossing import Border, CrossingEquations, crossing_kind
 from rodgen.analyse.modal import ROUNDING
-from rodgen.analyse.pencil import Dense, Linear, Parts
+from rodgen.analyse.pencil import DensePencil, Linear, MatrixPencil
 from rodgen.arrays import Array
 from rodgen.errors import AnalysisError
 
@@ -26,8 +25,8 @@ DIGITS = (3, 12)  # the least and the most that are printed of a load
 
 @dataclass(frozen=True)
 class Onset:
-    """force: the load [N]; s: the eigenvalue there [1/s]: zero for divergence, on the imaginary
-    axis for flutter; error: of the load, what roundings of the matrices can do to it, or the last
+    """Load and eigenvalue at an onset of instability. force [N]; s [1/s]: zero for divergence, on
+    the imaginary axis for flutter; error: of the force, by rounding of the matrices, or the last
     step of Newton's method if that is more; rate_error: the same of abs(s)."""
 
     force: float
@@ -36,17 +35,17 @@ class Onset:
     rate_error: float = 0.0
 
 
-def onset(at: At, near: Onset, unit: float, linear: bool = False) -> Onset:
-    """The onset next to an estimate, as closely as the matrices tell; unit: a size of the load
-    that matters; linear: whether S is linear in the load. Raises AnalysisError."""
-    values, errors = _Search(at, near, unit, linear).newton()
+def solve_onset(at: At, near: Onset, unit: float, linear: bool = False) -> Onset:
+    """Solve for the onset next to an estimate, as closely as the matrices allow; unit: a typical
+    size of the load; linear: whether S is linear in the load. Raises AnalysisError."""
+    values, errors = _OnsetEquations(at, near, unit, linear).solve()
     if not near.s:
         return Onset(values[0], 0j, errors[0])
     return Onset(values[0], 1j * values[1], *errors)
 
 
-def digits(value: float, error: float) -> str:
-    """A value with the digits that an error leaves, twelve at most."""
+def format_with_error(value: float, error: float) -> str:
+    """Format a value with the digits that an error leaves, twelve at most."""
     least, most = DIGITS
     if not value or not error:
         return f"{value:.{most}g}"
@@ -54,35 +53,35 @@ def digits(value: float, error: float) -> str:
     return f"{value:.{min(max(known, least), most)}g}"
 
 
-def unfound(force: float) -> str:
+def no_onset_message(force: float) -> str:
     return f"Newton's method found no onset of instability within {APART:.0%} of {force:.9g} N"
 
 
-class _Search:
-    """Newton's method next to an estimate, with scales and a border that are taken there."""
+class _OnsetEquations:
+    """Newton's method for an onset, with scales and a border taken at the estimate."""
 
     def __init__(self, at: At, near: Onset, unit: float, linear: bool):
         self.at, self.near, self.linear = at, near, linear
-        self._by_force: Parts | None = None
+        self._by_force: MatrixPencil | None = None
         self.size, omega = max(abs(near.force), unit), abs(near.s)
         whole = at(near.force)
-        self.kind = kind_of(bool(omega), bool(omega) and whole.damped)
-        # Full matrices are sums over rows and columns of as many rounded terms, of which the sizes
-        # are known or not.
-        known = whole.terms is not None if isinstance(whole, Dense) else False
-        terms = whole.size ** (1 if known else 2) if isinstance(whole, Dense) else 1
+        self.kind = crossing_kind(bool(omega), bool(omega) and whole.is_damped)
+        # Entries of full matrices are sums of many rounded terms, of which the sizes are known or
+        # not.
+        known = whole.terms is not None if isinstance(whole, DensePencil) else False
+        terms = whole.size ** (1 if known else 2) if isinstance(whole, DensePencil) else 1
         self.entry = ENTRY * terms
-        here = Parts.of(whole)
-        self.scales = here.scales(omega)
-        self.border = Border.of(self.kind.singular(here.scaled(self.scales), omega))
+        here = MatrixPencil.of(whole)
+        self.scales = here.equilibration(omega)
+        self.border = Border.of(self.kind.singular_matrix(here.scale(self.scales), omega))
 
-    def newton(self) -> tuple[list[float], list[float]]:
-        """The load, and omega of what oscillates, with their errors."""
+    def solve(self) -> tuple[list[float], list[float]]:
+        """Solve for the load, and for omega of what oscillates; return both with their errors."""
         start = np.array([self.near.force, *([abs(self.near.s)] if self.near.s else [])])
         x, before = start, np.inf
         scale = np.concatenate(([self.size], np.abs(start[1:])))
         for _ in range(ITERATIONS):
-            made, rounding = self._measured(x[0], float(x[-1]))
+            made, rounding = self._evaluate(x[0], float(x[-1]))
             slopes = np.hstack((made.by_numbers, made.by_omega)) * scale
             rows = np.abs(slopes).max(axis=1)
             inverse = np.linalg.inv(slopes / rows[:, None]) / rows
@@ -98,18 +97,18 @@ class _Search:
             if (moved < SMALL or rounded) and moved >= before / 4:
                 return x.tolist(), (np.maximum(noise, np.abs(change)) * scale).tolist()
             before = moved
-        raise AnalysisError(unfound(self.near.force))
+        raise AnalysisError(no_onset_message(self.near.force))
 
-    def _measured(self, force: float, omega: float) -> tuple[CrossingEquations, Array]:
-        """The equations under a load, and the roundings of their residual."""
-        here = self._scaled(force)
+    def _evaluate(self, force: float, omega: float) -> tuple[CrossingEquations, Array]:
+        """Evaluate the equations under a load, with the roundings of their residual."""
+        here = self._scaled_pencil(force)
         if self._by_force is None or not self.linear:
             step = DIFFERENCE * self.size
-            up, down = self._scaled(force + step), self._scaled(force - step)
-            self._by_force = up.plus(down, -1.0).times(0.5 / step)
+            up, down = self._scaled_pencil(force + step), self._scaled_pencil(force - step)
+            self._by_force = up.add(down, -1.0).multiply(0.5 / step)
         made = self.kind.equations(here, [self._by_force], self.border, omega)
-        sizes = here.sizes.plus(self._by_force.sizes, abs(force))
-        return made, self.entry * np.array(self.kind.roundings(made.near, sizes, omega))
+        sizes = here.rounding_sizes.add(self._by_force.rounding_sizes, abs(force))
+        return made, self.entry * np.array(self.kind.term_sums(made.near, sizes, omega))
 
-    def _scaled(self, force: float) -> Parts:
-        return Parts.of(self.at(float(force))).scaled(self.scales)
+    def _scaled_pencil(self, force: float) -> MatrixPencil:
+        return MatrixPencil.of(self.at(float(force))).scale(self.scales)

@@ -1,7 +1,7 @@
-"""The equations linearised about a state at rest or in flight: (S0 + s S1 + s^2 S2) z = 0.
+"""Equations linearised about a state at rest or in flight: (S0 + s S1 + s^2 S2) z = 0.
 
-z holds a column for the angle of every moving link and two for the force in the joint before it,
-in cells; the blocks are SymPy's derivatives of the equations with the joint forces as unknowns
+z holds a column for the angle of every moving link and two for the force in the joint before it, in
+cells; the blocks are SymPy's derivatives of the equations with the joint forces as unknowns
 (derivation 3), so that every matrix is block-tridiagonal and solving costs O(n).
 """
 
@@ -17,8 +17,8 @@ from scipy.sparse import block_array, csc_array, issparse
 from rodgen.analyse.steady_rod import SteadyRod, Unknowns
 from rodgen.arrays import Array
 from rodgen.errors import AnalysisError
-from rodgen.integrate import blocks as banded
-from rodgen.integrate.blocks import Matrix, places
+from rodgen.integrate import block_tridiagonal as banded
+from rodgen.integrate.block_tridiagonal import Matrix, block_entries
 
 Scales = tuple[Array, Array]
 NUDGE = 2.0**-52  # of the largest entry: a rounding
@@ -29,11 +29,11 @@ SINGULAR = "the linearised equations are singular"
 
 
 @dataclass(frozen=True)
-class Cells:
-    """The implicit form without angular rates and accelerations: residual (cells, 3), derivatives
+class ImplicitBlocks:
+    """Implicit equations at zero angular rates and accelerations: residual (cells, 3), derivatives
     by angle, rate (3, cells, 3), unknowns (3, cells, 3, 3), and by the velocities of the joints at
-    the start and at the end of every link (2, cells, 3, 2). Of a rod that is anchored also by their
-    positions, and how these follow the angles (cells + 1, 2, cells)."""
+    the start and at the end of every link (2, cells, 3, 2). With supports also by the positions of
+    joints, and derivatives of these by the angles (cells + 1, 2, cells)."""
 
     residual: Array
     by_angle: Array
@@ -44,54 +44,57 @@ class Cells:
     ways: Array | None = None
 
     @classmethod
-    def at(cls, rod: SteadyRod, at: Unknowns, p: Array) -> Cells:
-        """Of a rod that flies straight ahead with the speed of the system, or is at rest.
+    def at(cls, rod: SteadyRod, at: Unknowns, p: Array) -> ImplicitBlocks:
+        """Evaluate for a rod that flies straight ahead with the speed of the system, or is at rest.
 
         In flight a law may have a kink, as that of external damping has: derivatives are the means
         of both of its sides.
         """
-        made = cls._in(rod, rod.flying(at), at.force, p)
+        made = cls._evaluate(rod, rod.state_in_flight(at), at.force, p)
         if not rod.speed:
             return made
         aside = ASIDE * rod.speed
-        left, right = (cls._in(rod, rod.flying(at, side), at.force, p) for side in (aside, -aside))
+        left, right = (
+            cls._evaluate(rod, rod.state_in_flight(at, side), at.force, p)
+            for side in (aside, -aside)
+        )
         names = [field.name for field in fields(cls)][1:6]
         means = {k: (getattr(left, k) + getattr(right, k)) / 2 for k in names[:4]}
         return replace(made, **means)
 
     @classmethod
-    def across(cls, rod: SteadyRod, at: Unknowns, p: Array) -> Cells:
-        """Of a free rod that moves across its axis alone, as fast as it flies."""
-        y = replace(rod, speed=0.0).flying(at, rod.speed)
-        return cls._in(rod, y, at.force, p)
+    def in_sideways_flight(cls, rod: SteadyRod, at: Unknowns, p: Array) -> ImplicitBlocks:
+        """Evaluate for a free rod that moves only across its axis, as fast as it flies."""
+        y = replace(rod, speed=0.0).state_in_flight(at, rod.speed)
+        return cls._evaluate(rod, y, at.force, p)
 
     @classmethod
-    def _in(cls, rod: SteadyRod, y: Array, force: Array, p: Array) -> Cells:
-        parts = rod.model.implicit(rod.t, y, p, np.zeros(rod.cells), force)
+    def _evaluate(cls, rod: SteadyRod, y: Array, force: Array, p: Array) -> ImplicitBlocks:
+        parts = rod.model.implicit(rod.t, y, p, np.zeros(rod.n_moving), force)
         if not all(np.isfinite(part).all() for part in parts):
             raise AnalysisError("the linearised equations are not finite")
-        return cls(*parts, *([cls._ways(rod, y, p)] if rod.anchored else []))
+        return cls(*parts, *([cls._joint_derivatives(rod, y, p)] if rod.has_supports else []))
 
     @staticmethod
-    def _ways(rod: SteadyRod, y: Array, p: Array) -> Array:
-        """How the joints at the ends of moving links follow the angles."""
-        joints = np.arange(rod.scene.held, rod.scene.rod.links + 1)
-        return rod.joint_ways(y, p, joints)[..., rod.base :]
+    def _joint_derivatives(rod: SteadyRod, y: Array, p: Array) -> Array:
+        """Derivatives of the joints at the ends of moving links by the angles."""
+        joints = np.arange(rod.scene.n_fixed_links, rod.scene.rod.links + 1)
+        return rod.joint_derivatives(y, p, joints)[..., rod.n_base :]
 
     @property
     def statics(self) -> Array:
         """Derivatives by angle and joint force, (3, cells, 3, 3)."""
         return np.concatenate((self.by_angle[..., None], self.by_unknown[..., 1:]), axis=-1)
 
-    def solved(self, right: Array, shift: float = 0.0) -> Array:
-        """Changes of angles and joint forces (cells, 3) that change the residual by so much; shift:
-        times which inertia is added to the stiffness [1/s^2]."""
-        blocks = self.statics + shift * Pencil.of(self).S2 if shift else self.statics
+    def solve(self, right: Array, shift: float = 0.0) -> Array:
+        """Solve for the changes of angles and joint forces (cells, 3) that change the residual by
+        `right`; shift: factor of the inertia added to the stiffness [1/s^2]."""
+        blocks = self.statics + shift * BlockPencil.of(self).S2 if shift else self.statics
         return solve(blocks, right.ravel()).reshape(-1, 3)
 
-    def whole(self, blocks: Matrix, by_joints: Array | None) -> Array:
-        """The matrix of blocks, with what follows the joints of an anchored rod."""
-        matrix: Array = _whole(blocks)
+    def assemble(self, blocks: Matrix, by_joints: Array | None) -> Array:
+        """Assemble the matrix of blocks, with the terms of joints of a rod with supports."""
+        matrix: Array = _to_full(blocks)
         assert by_joints is not None
         assert self.ways is not None
         for d, rows in enumerate(by_joints):
@@ -99,22 +102,25 @@ class Cells:
                 matrix[3 * i : 3 * i + 3, ::3] += by_joint @ self.ways[i + d]
         return matrix
 
-    def reduced(self) -> Dense:
-        """The dense matrices of the angles alone; (K + s C + s^2 M) phi = 0."""
-        pencil = Pencil.of(self)
+    def to_dense(self) -> DensePencil:
+        """Dense pencil of the angles alone: (K + s C + s^2 M) phi = 0."""
+        pencil = BlockPencil.of(self)
         if self.ways is None:
-            return pencil.reduced()
-        K, C = self.whole(pencil.S0, self.by_position), self.whole(pencil.S1, self.by_velocity)
+            return pencil.to_dense()
+        K, C = (
+            self.assemble(pencil.S0, self.by_position),
+            self.assemble(pencil.S1, self.by_velocity),
+        )
         forced = np.arange(len(K)) % 3 > 0
         lean = np.linalg.solve(K[np.ix_(forced, forced)].T, K[~forced][:, forced].T).T
-        every = (K, C, _whole(pencil.S2))
+        every = (K, C, _to_full(pencil.S2))
         K, C, M = (S[~forced][:, ~forced] - lean @ S[forced][:, ~forced] for S in every)
-        return Dense(K, C, M)
+        return DensePencil(K, C, M)
 
 
 @dataclass(frozen=True)
-class Quadratic:
-    """S(s) = S0 + s S1 + s^2 S2."""
+class QuadraticPencil:
+    """Quadratic pencil S(s) = S0 + s S1 + s^2 S2."""
 
     S0: Any
     S1: Any
@@ -127,40 +133,40 @@ class Quadratic:
 
     @property
     def damping(self) -> float:
-        """How strong the effect of rates is, in comparison with stiffness and inertia."""
-        return _damping(*self.parts)
+        """Size of S1 in comparison with S0 and S2."""
+        return _relative_damping(*self.parts)
 
     @property
-    def damped(self) -> bool:
-        """Whether rates have an effect."""
+    def is_damped(self) -> bool:
+        """Whether forces depend on rates."""
         return self.damping > NO_DRAG
 
     def at(self, s: complex) -> Any:
-        """S(s)."""
+        """Value S(s)."""
         return self.S0 + s * self.S1 + s * s * self.S2
 
-    def slope(self, s: complex) -> Any:
-        """S'(s)."""
+    def derivative(self, s: complex) -> Any:
+        """Derivative S'(s)."""
         return self.S1 + 2 * s * self.S2
 
 
-class Pencil(Quadratic):
-    """S0, S1, S2 as blocks (3, cells, 3, 3) by the cell before, own and after."""
+class BlockPencil(QuadraticPencil):
+    """Block-tridiagonal pencil: blocks (3, cells, 3, 3) by the cell before, own and after."""
 
     @classmethod
-    def of(cls, cells: Cells) -> Pencil:
-        """From the implicit form at a steady state."""
+    def of(cls, cells: ImplicitBlocks) -> BlockPencil:
+        """Form the pencil from the implicit equations at a steady state."""
         nothing = np.zeros_like(cells.by_unknown[..., 1:])
         rate = np.concatenate((cells.by_rate[..., None], nothing), axis=-1)
         inertia = np.concatenate((cells.by_unknown[..., :1], nothing), axis=-1)
         return cls(cells.statics, rate, inertia)
 
     @property
-    def cells(self) -> int:
+    def n_moving(self) -> int:
         return int(self.S0.shape[1])
 
     def solve(self, S: Matrix, right: Matrix, transposed: bool = False) -> Matrix:
-        """z of S z = right, or of its transpose; of a singular S, next to it."""
+        """Solve S z = right, or with the transpose of S; a singular S is perturbed by rounding."""
         try:
             return solve(S, right, transposed)
         except AnalysisError:
@@ -170,12 +176,12 @@ class Pencil(Quadratic):
 
     @property
     def size(self) -> int:
-        """Unknowns."""
-        return 3 * self.cells
+        """Number of unknowns."""
+        return 3 * self.n_moving
 
-    def eliminated(self, phi: Matrix) -> tuple[Array, Array, Array]:
-        """K phi, C phi, M phi for angles phi (cells, k): (K + s C + s^2 M) phi = 0 is what remains
-        where the joint forces follow from the angles; O(n k)."""
+    def eliminate_forces(self, phi: Matrix) -> tuple[Array, Array, Array]:
+        """Eliminate the joint forces: K phi, C phi, M phi of (K + s C + s^2 M) phi = 0, for angles
+        phi (cells, k), in O(n k)."""
         joints, lean = self.S0[:, :, 1:, 1:], self.S0[:, :, :1, 1:]
         felt = [S for S in self.parts if S.any()]
         # Right sides of all three at once: solving takes longer to begin than to do.
@@ -186,21 +192,21 @@ class Pencil(Quadratic):
         K, C, M = (next(made) if S.any() else np.zeros_like(phi) for S in self.parts)
         return K, C, M
 
-    def reduced(self) -> Dense:
-        """The dense matrices of the angles alone."""
-        return Dense(*self.eliminated(np.eye(self.cells)))
+    def to_dense(self) -> DensePencil:
+        """Dense pencil of the angles alone."""
+        return DensePencil(*self.eliminate_forces(np.eye(self.n_moving)))
 
-    def on(self, basis: Matrix) -> Dense:
-        """Of motions whose angles are the basis (cells, k) times coordinates, by virtual work."""
-        K, C, M = (basis.T @ columns for columns in self.eliminated(basis))
-        return Dense(K, C, M)
+    def project(self, basis: Matrix) -> DensePencil:
+        """Project on motions whose angles are the basis (cells, k) times coordinates."""
+        K, C, M = (basis.T @ columns for columns in self.eliminate_forces(basis))
+        return DensePencil(K, C, M)
 
 
 @dataclass(frozen=True)
-class Dense:
-    """(K + s C + s^2 M) q = 0 with dense matrices (k, k); added: how many of the last rows are of
-    first order, those of states that are added; terms: what the entries of K are summed from, in
-    absolute values, where that is more than they are."""
+class DensePencil:
+    """Dense pencil (K + s C + s^2 M) q = 0 with matrices (k, k). added: number of the last rows, of
+    first order, for added states; terms: sums of absolute terms of the entries of K, where these
+    cancel."""
 
     K: Matrix
     C: Matrix
@@ -210,12 +216,12 @@ class Dense:
 
     @property
     def damping(self) -> float:
-        """How strong the effect of rates is, as of other linearised equations."""
-        return _damping(*self.parts)
+        """Size of C in comparison with K and M."""
+        return _relative_damping(*self.parts)
 
     @property
-    def damped(self) -> bool:
-        """Whether rates have an effect, beyond the rounding of one that has none."""
+    def is_damped(self) -> bool:
+        """Whether forces depend on rates, beyond rounding."""
         return self.damping > NO_DRAG
 
     def at(self, s: complex) -> Matrix:
@@ -224,7 +230,7 @@ class Dense:
 
     @property
     def size(self) -> int:
-        """Unknowns."""
+        """Number of unknowns."""
         return len(self.K)
 
     @property
@@ -232,19 +238,19 @@ class Dense:
         """K, C and M."""
         return self.K, self.C, self.M
 
-    def reduced(self) -> Dense:
-        """Itself, as it has the least unknowns."""
+    def to_dense(self) -> DensePencil:
+        """Itself: there are no joint forces to eliminate."""
         return self
 
-    def on(self, basis: Matrix) -> Dense:
-        """Of motions q = basis times coordinates, by virtual work."""
+    def project(self, basis: Matrix) -> DensePencil:
+        """Project on motions q = basis times coordinates."""
         whole = block_diag(basis, np.eye(self.added)) if self.added else basis
         K, C, M = (whole.T @ matrix @ whole for matrix in self.parts)
-        return Dense(K, C, M, self.added)
+        return DensePencil(K, C, M, self.added)
 
 
-def first_order(K: Matrix, C: Matrix, M: Matrix, added: int) -> Matrix:
-    """The matrices (..., 2 k + added) of the rates of (q, q', z), z the added states."""
+def first_order_matrix(K: Matrix, C: Matrix, M: Matrix, added: int) -> Matrix:
+    """Assemble the matrices (..., 2 k + added) of the rates of (q, q', z), with added states z."""
     k = K.shape[-1] - added
     upper = [np.linalg.solve(M[..., :k, :k], -part) for part in (K[..., :k, :], C[..., :k, :k])]
     zero = np.zeros((*K.shape[:-2], k, k))
@@ -256,26 +262,26 @@ def first_order(K: Matrix, C: Matrix, M: Matrix, added: int) -> Matrix:
 
 
 @dataclass(frozen=True)
-class Parts(Quadratic):
-    """S0, S1 and S2 as matrices, dense or sparse; terms: as of Dense, of S0."""
+class MatrixPencil(QuadraticPencil):
+    """Pencil of matrices S0, S1 and S2, dense or sparse; terms: as of DensePencil, of S0."""
 
     terms: Any = None
 
     @classmethod
-    def of(cls, linear: Linear) -> Parts:
-        """From the linearised equations."""
-        if isinstance(linear, Parts):
+    def of(cls, linear: Linear) -> MatrixPencil:
+        """Convert linearised equations of any kind."""
+        if isinstance(linear, MatrixPencil):
             return linear
-        if isinstance(linear, Pencil):
-            return cls(*map(_whole if linear.size <= SMALL else sparse, linear.parts))
+        if isinstance(linear, BlockPencil):
+            return cls(*map(_to_full if linear.size <= SMALL else to_sparse, linear.parts))
         return cls(*linear.parts, linear.terms)
 
     @classmethod
-    def without_turning(cls, pencil: Pencil, turning: Array) -> Parts:
-        """Of a rod that turns freely, its rigid rotation with eigenvalue zero taken away: the first
+    def without_rotation(cls, pencil: BlockPencil, turning: Array) -> MatrixPencil:
+        """Remove the eigenvalue zero of the rigid rotation of a rod that turns freely: the first
         angle is held, and a moment that only turns the rod as a whole makes up for it. turning:
         columns (3 cells,) of the rigid rotation."""
-        S0, S1, S2 = map(sparse, pencil.parts)
+        S0, S1, S2 = map(to_sparse, pencil.parts)
         first = csc_array(([1.0], ([0], [0])), shape=(1, len(turning)))
         moment = csc_array((S2 @ turning)[:, None])
         nothing = csc_array((1, 1))
@@ -285,95 +291,95 @@ class Parts(Quadratic):
         )
 
     def at_square(self, square: float) -> Any:
-        """S0 + s^2 S2, real: without damping."""
+        """Undamped value S0 + s^2 S2, real for a real s^2 (``square``)."""
         return self.S0 + square * self.S2
 
     @property
-    def sizes(self) -> Parts:
-        """Absolute values, which rounding goes with; of S0 those of its terms, where they are
-        known: roundings of many terms are as often up as down."""
+    def rounding_sizes(self) -> MatrixPencil:
+        """Absolute entries, to which rounding errors are proportional; of S0 sums of absolute terms
+        over their number, where they are known, since errors of many terms cancel in part."""
         stiffness = abs(self.S0) if self.terms is None else self.terms / len(self.terms)
-        return Parts(stiffness, abs(self.S1), abs(self.S2))
+        return MatrixPencil(stiffness, abs(self.S1), abs(self.S2))
 
-    def plus(self, other: Parts, times: float = 1.0) -> Parts:
-        """The sum with so many times others."""
+    def add(self, other: MatrixPencil, times: float = 1.0) -> MatrixPencil:
+        """Add ``times`` times another pencil."""
         pairs = zip(self.parts, other.parts, strict=True)
-        return Parts(*(one + times * two for one, two in pairs))
+        return MatrixPencil(*(one + times * two for one, two in pairs))
 
-    def times(self, factor: float) -> Parts:
-        """So many times these."""
-        return Parts(*(factor * part for part in self.parts))
+    def multiply(self, factor: float) -> MatrixPencil:
+        """Multiply all three matrices by a factor."""
+        return MatrixPencil(*(factor * part for part in self.parts))
 
-    def scales(self, rate: float) -> Scales:
+    def equilibration(self, rate: float) -> Scales:
         """Factors of rows and columns that make the largest entry of each about one."""
         sizes = abs(self.S0) + rate**2 * abs(self.S2) + rate * abs(self.S1)
-        rows = 1 / _largest(sizes, 1)
-        return rows, 1 / _largest(_scaled(sizes, (rows, np.ones(len(rows)))), 0)
+        rows = 1 / _largest_entries(sizes, 1)
+        return rows, 1 / _largest_entries(_scale_matrix(sizes, (rows, np.ones(len(rows)))), 0)
 
-    def scaled(self, scales: Scales) -> Parts:
-        """With rows and columns times their factors."""
-        terms = None if self.terms is None else _scaled(self.terms, scales)
-        S0, S1, S2 = (_scaled(part, scales) for part in self.parts)
-        return Parts(S0, S1, S2, terms)
-
-
-Linear = Pencil | Dense | Parts
+    def scale(self, scales: Scales) -> MatrixPencil:
+        """Multiply rows and columns by their factors."""
+        terms = None if self.terms is None else _scale_matrix(self.terms, scales)
+        S0, S1, S2 = (_scale_matrix(part, scales) for part in self.parts)
+        return MatrixPencil(S0, S1, S2, terms)
 
 
-def _damping(stiff: Any, drag: Any, inertia: Any) -> float:
-    """The largest entry of the second over the mean of those of the others."""
+Linear = BlockPencil | DensePencil | MatrixPencil
+
+
+def _relative_damping(stiff: Any, drag: Any, inertia: Any) -> float:
+    """Largest entry of ``drag`` over the geometric mean of those of the others."""
     if not drag.size or not (most := float(abs(drag).max())):
         return 0.0
     usual = float(np.sqrt(abs(stiff).max() * abs(inertia).max()))
     return most / usual if usual else np.inf
 
 
-def _scaled(part: Any, scales: Scales) -> Any:
+def _scale_matrix(part: Any, scales: Scales) -> Any:
     rows, columns = scales
     if issparse(part):
         return csc_array(part.multiply(rows[:, None]).multiply(columns[None, :]))
     return rows[:, None] * part * columns
 
 
-def _largest(sizes: Any, axis: int) -> Array:
+def _largest_entries(sizes: Any, axis: int) -> Array:
     most = sizes.max(axis=axis)
     return np.asarray(most.toarray() if issparse(most) else most).ravel()
 
 
-def sparse(blocks: Matrix) -> csc_array:
-    """The matrix of blocks (3, cells, rows, columns)."""
+def to_sparse(blocks: Matrix) -> csc_array:
+    """Assemble a sparse matrix from blocks (3, cells, rows, columns)."""
     _, cells, *shape = blocks.shape
-    there, rows, columns = places(cells, *shape)
+    there, rows, columns = block_entries(cells, *shape)
     size = (shape[0] * cells, shape[1] * cells)
     return csc_array((blocks[there], (rows, columns)), shape=size)
 
 
-def _whole(blocks: Matrix) -> Matrix:
-    """The matrix of blocks with all of its zeros."""
+def _to_full(blocks: Matrix) -> Matrix:
+    """Assemble a full matrix from blocks (3, cells, rows, columns)."""
     _, cells, *shape = blocks.shape
-    there, rows, columns = places(cells, *shape)
+    there, rows, columns = block_entries(cells, *shape)
     matrix = np.zeros((shape[0] * cells, shape[1] * cells), dtype=blocks.dtype)
     matrix[rows, columns] = blocks[there]
     return matrix
 
 
 def product(blocks: Matrix, right: Matrix) -> Matrix:
-    """The matrix of blocks times a vector, or vectors (size, k)."""
-    made = _whole if max(blocks.shape[2:]) * blocks.shape[1] <= SMALL else sparse
+    """Multiply the matrix of blocks by a vector, or by vectors (size, k)."""
+    made = _to_full if max(blocks.shape[2:]) * blocks.shape[1] <= SMALL else to_sparse
     return np.asarray(made(blocks) @ right)
 
 
 def solve(blocks: Matrix, right: Matrix, transposed: bool = False) -> Matrix:
-    """As blocks.solve; raises AnalysisError for a singular matrix."""
+    """Solve a block-tridiagonal system. Raises AnalysisError for a singular matrix."""
     try:
-        return banded.solve(blocks, right, transposed)
+        return banded.solve_blocks(blocks, right, transposed)
     except np.linalg.LinAlgError:
         raise AnalysisError(SINGULAR) from None
 
 
-def forces(rod: SteadyRod, at: Unknowns, p: Array) -> tuple[Array, Array]:
+def joint_forces(rod: SteadyRod, at: Unknowns, p: Array) -> tuple[Array, Array]:
     """Angular accelerations (cells,) [rad/s^2] and joint forces over the mass of a link (cells, 2)
     [m/s^2] of the rod at rest, or in flight: the implicit form is linear in both."""
-    cells = Cells.at(rod, at._replace(force=np.zeros((rod.cells, 2))), p)
+    cells = ImplicitBlocks.at(rod, at._replace(force=np.zeros((rod.n_moving, 2))), p)
     unknowns = solve(cells.by_unknown, -cells.residual.ravel()).reshape(-1, 3)
     return unknowns[:, 0], unknowns[:, 1:]

@@ -1,4 +1,4 @@
-"""A rod at every value of a number: one of its scene, or the share of its loads that it bears."""
+"""A rod as a function of one parameter: a number of its scene, or the share of its loads."""
 
 from __future__ import annotations
 
@@ -14,44 +14,44 @@ LOADS = "loads.", "foundation.", "supports.", "rod.bending_stiffness"
 
 @dataclass(frozen=True)
 class RodRange:
-    """base: the rod at one of the values, or under all of its loads."""
+    """Range of a parameter; base: the rod at one of the values, or under all of its loads."""
 
     base: SteadyRod
     numbers: ParameterRange | ParameterLine
 
     @classmethod
     def of_load(cls, rod: SteadyRod) -> RodRange:
-        """How much of its loads a rod bears, from none to all."""
+        """Range of the share of its loads that a rod bears, from none to all."""
         system = rod.system
         terms = [TERMS[name] for name in system.structure.loads]
-        names = {one.name for term in terms for one in term.proportions}
-        parts = {name: system.values(name) for name in names & system.structure.places.keys()}
+        names = {one.name for term in terms for one in term.scaling_parameters}
+        parts = {name: system.value(name) for name in names & system.structure.slices.keys()}
         return cls(rod, ParameterLine.of(system, parts))
 
     @property
     def bounds(self) -> tuple[float, float]:
-        """Both ends."""
+        """Both ends of the range."""
         return self.numbers.bounds
 
     @property
     def unit(self) -> float:
-        """How far they are apart."""
+        """Width of the range."""
         return self.numbers.unit
 
     def rod(self, value: float) -> SteadyRod:
-        """The rod at a value. AnalysisError where there is none."""
+        """Rod at a value. Raises AnalysisError where there is none."""
         numbers = self.numbers
         if isinstance(numbers, ParameterLine):
             return self.base
-        if numbers.of_parameters and numbers.key.startswith(LOADS):
-            return self.base  # its straight shape, too, and what else does not follow from p alone
+        if numbers.is_only_in_parameters and numbers.key.startswith(LOADS):
+            return self.base  # its straight shape, and all else that is not in p, stays
         return replace(self.base, system=numbers.at(value))
 
     def parameters(self, value: float) -> Array:
-        """p of the module at a value."""
+        """Parameters p of the module at a value."""
         return self.numbers.parameters(value)
 
-    def near(self, value: float) -> list[tuple[Array, float]]:
-        """p beside a value, and how much each counts in a derivative by the value over the
-        range."""
-        return self.numbers.near(value)
+    def difference_points(self, value: float) -> list[tuple[Array, float]]:
+        """Parameters p beside a value, and the weight of each in a difference quotient by the value
+        over the range."""
+        return self.numbers.difference_points(value)

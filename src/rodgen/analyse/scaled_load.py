@@ -1,4 +1,4 @@
-"""The load whose size is scaled: which one, by which numbers, in which unit."""
+"""The load whose size is varied in a search for critical loads: its parameters and units."""
 
 from __future__ import annotations
 
@@ -18,47 +18,53 @@ FOLLOWER, FOLLOWERS, ALL = "follower", "followers", "all"
 # Several loads that are scaled by one factor.
 GROUPS = {FOLLOWERS: "factor of all follower forces", ALL: "factor of all loads"}
 # What a critical load is asked for by: the table of a load, of several the name, or a group.
-SCALABLE = (*(term.table for term in TERMS.values() if term.sizes), *GROUPS)
+SCALABLE = (*(term.table for term in TERMS.values() if term.size_parameters), *GROUPS)
 
 
-def scaled(load: str) -> Term | None:
-    """The load of a name, None of a group. Raises InputError for one that cannot be scaled."""
+def find_term(load: str) -> Term | None:
+    """Look up a load by name; None for a group. Raises InputError for one that cannot be scaled."""
     if load in GROUPS:
         return None
     tables = {term.table: term for term in TERMS.values()}
     term = TERMS[load] if load in TERMS else tables.get(load)
-    if term is None or not term.sizes:
+    if term is None or not term.size_parameters:
         raise InputError("load", load, f"one of {', '.join(SCALABLE)}")
     return term
 
 
 def unit_of(load: str) -> str:
-    """The unit of the size of a load."""
-    term = scaled(load)
-    return "times the loads" if term is None else "N" if term.spread else term.sizes[0].unit
+    """Unit of the size of a load."""
+    term = find_term(load)
+    return (
+        "times the loads"
+        if term is None
+        else "N"
+        if term.is_distributed
+        else term.size_parameters[0].unit
+    )
 
 
 def label_of(load: str) -> str:
-    """What is scaled, in words."""
-    term = scaled(load)
+    """Label of a load, or of a group."""
+    term = find_term(load)
     return GROUPS[load] if term is None else term.label
 
 
-def parameter_of(load: str) -> str:
-    """What a load is compared with EI/L^2 by, in letters."""
-    term = scaled(load)
+def symbol_of(load: str) -> str:
+    """Symbol of the load parameter, such as P L^2/EI, or the label of a group."""
+    term = find_term(load)
     return GROUPS[load] if term is None else f"{term.symbol} L^2/EI"
 
 
 def default_load(system: System) -> str:
-    """The first load of a system that follows the rod; the follower force, where there is none."""
+    """Name of the first load of a system that follows the rod; the follower force without one."""
     return next((name for name in system.load_terms if TERMS[name].follows), FOLLOWER)
 
 
 @dataclass(frozen=True)
 class ScaledLoad:
-    """name: which load; parts: its parameters at the size one; unit: a size that matters, by
-    which a search steps; reference: the size whose multiple is the factor of a critical load;
+    """A load with one variable size. parts: its parameters at the size one; unit: a typical size,
+    by which a search steps; reference: the size whose multiple is the factor of a critical load;
     applied: the size that the scene itself has."""
 
     name: str
@@ -69,16 +75,16 @@ class ScaledLoad:
 
     @classmethod
     def of(cls, name: str, rod: SteadyRod) -> ScaledLoad:
-        """A load of one size, such as a follower force [N] or gravity [m/s^2], whatever the scene's
-        own is; one of several components, such as a dead force [N], in the direction of the
-        scene's; one of a number for every link as a force [N] on the whole rod that is distributed
-        as the scene's; or a group of them as multiples of what the scene has. Raises InputError for
-        a load that the scene lacks."""
-        scene, term = rod.scene, scaled(name)
+        """Set up a load of a rod. One with a single size, such as a follower force [N] or gravity
+        [m/s^2], may have any size in the scene; one of several components, such as a dead force
+        [N], keeps the scene's direction; one with a number for every link becomes a force [N] on
+        the whole rod, distributed as in the scene; a group becomes a multiple of the scene's loads.
+        Raises InputError for a load that the scene lacks."""
+        scene, term = rod.scene, find_term(name)
         along = scene.distribution
-        if along.usual_stiffness == 0:
+        if along.mean_stiffness == 0:
             raise InputError("rod.bending_stiffness", 0.0, "positive: a chain bears no thrust")
-        if scene.slack:
+        if scene.has_no_tangent_stiffness:
             allowed = "of a slope above 0 at d = 0: a straight rod bears no thrust"
             raise InputError("rod.spring", scene.rod.spring, allowed)
         every = [TERMS[one] for one in scene.loads.terms]
@@ -86,17 +92,17 @@ class ScaledLoad:
         if name == FOLLOWERS:
             terms = [row for row in every if row.follows]
         here = {
-            one.name: (np.asarray(rod.system.values(one.name)), _per_size(row, scene))
+            one.name: (np.asarray(rod.system.value(one.name)), _force_per_size(row, scene))
             for row in terms
-            for one in row.sizes
+            for one in row.size_parameters
         }
         place = f"loads.{name}" if term else "loads"
         if not here:
-            found = ", ".join((*(row.name for row in every if row.sizes), *GROUPS))
+            found = ", ".join((*(row.name for row in every if row.size_parameters), *GROUPS))
             raise InputError(place, Missing(), f"given: its size is asked for (there is {found})")
-        force = along.usual_stiffness / scene.rod.length**2
+        force = along.mean_stiffness / scene.rod.length**2
         if term and term.has_size:
-            unit = force / _per_size(term, scene)
+            unit = force / _force_per_size(term, scene)
             (own,) = (float(value) for value, _ in here.values())
             return cls(name, dict.fromkeys(here, 1.0), unit, unit, own)
         forces = [np.abs(value).sum() * per_size for value, per_size in here.values()]
@@ -110,8 +116,8 @@ class ScaledLoad:
         return cls(name, parts, force / float(sum(forces)), 1.0, 1.0)
 
 
-def _per_size(term: Term, scene: Scene) -> float:
-    """The force [N] of a load of size one on the rod, or on a link of it."""
-    if term.spread:
+def _force_per_size(term: Term, scene: Scene) -> float:
+    """Force [N] of a load of size one on the rod, or on a link of it."""
+    if term.is_distributed:
         return scene.rod.length / scene.rod.links
     return scene.mass if term.kind == WEIGHT else 1.0

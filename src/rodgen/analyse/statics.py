@@ -6,19 +6,29 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from rodgen.analyse.balance import free_ways
-from rodgen.analyse.guard import guarded
+from rodgen.analyse.analysis_guard import guard_analysis
+from rodgen.analyse.equilibrium_equations import free_directions
+from rodgen.analyse.equilibrium_search import check_imperfection, find_equilibrium, start_unknowns
+from rodgen.analyse.memory_needs import STATIC, check_analysis_memory
 from rodgen.analyse.modal import DIVERGENCE
-from rodgen.analyse.settle import checked_imperfection, settle, start_of
-from rodgen.analyse.sizes import STATIC, check_size
 from rodgen.analyse.small_motions import instability
 from rodgen.analyse.state_result import TIME, StateResult
-from rodgen.analyse.steady import Steady
 from rodgen.analyse.steady_rod import SteadyRod
+from rodgen.analyse.steady_state import SteadyState
 from rodgen.arrays import Array
 from rodgen.display import Plottable
 from rodgen.errors import InputError
-from rodgen.result import FLAG, USUAL, WORD, Kept, Note, Row, doubt, hidden, in_degrees
+from rodgen.result import (
+    FLAG,
+    USUAL,
+    WORD,
+    Note,
+    Row,
+    StudyStorage,
+    doubt,
+    format_angle,
+    omit_from_tables,
+)
 from rodgen.scene import Scene
 from rodgen.system import System
 
@@ -39,7 +49,7 @@ class Equilibrium(StateResult, Plottable):
     if none grows with all damping, None where this is not known (of more than 200 links; of a bent
     rod, what external damping does beside loads that follow it); stable: the same as yes or no;
     states: added states by name, in the units of the scene; imperfection: by which it was found
-    [rad], 0 without, None where it is one of all that were looked for; system: what rests, with the
+    [rad], 0 without, None where all equilibria were looked for; system: the rod, with the
     loads of one time.
 
     Examples
@@ -72,7 +82,7 @@ class Equilibrium(StateResult, Plottable):
             "tip angle",
             "rad",
             of=lambda rest: float(rest.phi[-1]),
-            text=lambda rest: in_degrees(float(rest.phi[-1])),
+            text=lambda rest: format_angle(float(rest.phi[-1])),
             kept=USUAL,
         ),
         Row(
@@ -82,12 +92,14 @@ class Equilibrium(StateResult, Plottable):
             ".12g",
             of=lambda rest: [rest._round(one) for one in rest.joints[0]],
         ),
-        Row("phi", "angles of the links", "rad", text=hidden, kept=Kept(several=4)),
+        Row(
+            "phi", "angles of the links", "rad", text=omit_from_tables, kept=StudyStorage(several=4)
+        ),
         Row("states", "{}", format=".12g"),
         Row("iterations", "Newton iterations", text=lambda rest: rest._iterations),
         Row("stages", "load stages", text=lambda rest: rest._stages),
         Row("stable", "stable", text=lambda rest: rest._stable, kept=FLAG),
-        Row("instability", "instability", text=hidden, kept=replace(WORD, usual=False)),
+        Row("instability", "instability", text=omit_from_tables, kept=replace(WORD, usual=False)),
         *TIME,
     )
 
@@ -97,12 +109,12 @@ class Equilibrium(StateResult, Plottable):
         object.__setattr__(self, "stable", stable)
 
     def _round(self, value: float) -> float:
-        """A coordinate [m], zero where it is rounding."""
+        """Round a coordinate [m] to zero where it is rounding."""
         return float(value) if abs(value) >= ROUNDING * np.abs(self.joints).max() else 0.0
 
     @property
     def notes(self) -> tuple[Note, ...]:  # type: ignore[override]  # a field of other results
-        """Whether it is unstable, and how a stable one beside it is found."""
+        """Doubt about an unstable equilibrium, and how a stable one beside it is found."""
         if not self.instability or self.imperfection is None:
             return ()
         words = f"this equilibrium is unstable ({self.instability}): small motions about it grow"
@@ -133,7 +145,7 @@ class Equilibrium(StateResult, Plottable):
         return f"<Equilibrium of {self.scene.name}: tail at ({x:.6g}, {y:.6g}) m; {how}>"
 
 
-@guarded
+@guard_analysis
 def static_equilibrium(
     system: System | Scene, *, t: float | None = None, imperfection: float | None = None
 ) -> Equilibrium:
@@ -175,47 +187,47 @@ def static_equilibrium(
     >>> found.stable, found.joints.shape[1]
     (True, 2)
     """
-    bend = 0.0 if imperfection is None else checked_imperfection(imperfection)
+    bend = 0.0 if imperfection is None else check_imperfection(imperfection)
     system = System.of(system)
-    check_size(STATIC, system)
+    check_analysis_memory(STATIC, system)
     rod = SteadyRod.of(system, t)
     p = rod.system.p
-    if rod.base:
-        _check_held(rod, p)
-    rest, stages = settle(rod, p, bend=bend)
-    state = Steady(rod, rest.at, p)
+    if rod.n_base:
+        _check_support(rod, p)
+    rest, stages = find_equilibrium(rod, p, bend=bend)
+    state = SteadyState(rod, rest.at, p)
     return equilibrium_of(state, rest.iterations, rest.change, stages, bend)
 
 
 def equilibrium_of(
-    state: Steady,
+    state: SteadyState,
     iterations: int,
     change: float = 0.0,
     stages: tuple[float, ...] = (1.0,),
     imperfection: float | None = None,
 ) -> Equilibrium:
-    """A steady state as an equilibrium, with what Newton's method says of how it was found."""
+    """Convert a steady state to an Equilibrium, with what is known of Newton's method."""
     rod, y = state.rod, state.y
     return Equilibrium(
         y=y,
-        phi=rod.all_links(state.phi),
+        phi=rod.all_angles(state.phi),
         joints=rod.model.joints(y, state.p),
-        force=state.force,
+        force=state.joint_forces,
         change=change,
         iterations=iterations,
         stages=stages,
         instability=instability(state),
-        states=dict(zip(rod.system.added, state.at.added.tolist(), strict=True)),
+        states=dict(zip(rod.system.extra_states, state.at.added.tolist(), strict=True)),
         imperfection=imperfection,
         system=rod.system,
     )
 
 
-def _check_held(rod: SteadyRod, p: Array) -> None:
-    """Raise InputError for a free rod whose place nothing follows."""
-    follows = rod.anchored or rod.steered  # else it need not be found out
-    start = start_of(rod, rod.straight)
-    if not follows or len(free_ways(rod, start, p)) == rod.base:
+def _check_support(rod: SteadyRod, p: Array) -> None:
+    """Raise InputError for a free rod that nothing holds in place."""
+    follows = rod.has_supports or rod.has_feedback  # else it need not be found out
+    start = start_unknowns(rod, rod.straight_angles)
+    if not follows or len(free_directions(rod, start, p)) == rod.n_base:
         allowed = "clamped, cantilever or pinned: nothing holds a free rod in place without "
         allowed += "[[supports]], [foundation] or loads that follow its place"
         raise InputError("rod.boundary", rod.system.structure.boundary, allowed)

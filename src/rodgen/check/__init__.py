@@ -1,1 +1,1 @@
-"""The 50-digit reference, a generated module held against it, and the proofs that are kept."""
+"""The 50-digit reference, the comparison of a generated module with it, and cached proofs."""

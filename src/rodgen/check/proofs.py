@@ -1,4 +1,4 @@
-"""Proofs, kept by content hash: what has been proven is not proven again."""
+"""Proofs of structures, cached by content hash."""
 
 from __future__ import annotations
 
@@ -17,8 +17,8 @@ MOST_EXPLICIT = 60  # links; beyond, the explicit step takes minutes
 
 
 @dataclass(frozen=True)
-class Held:
-    """A comparison that held: what, how, and how many entries."""
+class ProofEntry:
+    """A comparison that held: symbol of the matrix or load, how, and number of entries."""
 
     name: str
     how: str
@@ -39,7 +39,7 @@ class Proof(Result):
     made earlier."""
 
     structure: Structure
-    comparisons: tuple[Held, ...]
+    comparisons: tuple[ProofEntry, ...]
     seconds: float
     kept: bool = False
 
@@ -52,7 +52,7 @@ class Proof(Result):
 
     @property
     def entries(self) -> int:
-        """How many entries were compared."""
+        """Number of entries that were compared."""
         return sum(one.entries for one in self.comparisons)
 
     def tables(self) -> list[ResultTable]:
@@ -74,7 +74,7 @@ class Proof(Result):
 def prove(
     structure: Structure,
     explicit: bool = False,
-    found: Callable[[Held], None] = lambda _: None,
+    found: Callable[[ProofEntry], None] = lambda _: None,
 ) -> Proof:
     """Prove the equations of a structure, or recall that they have been proven.
 
@@ -84,7 +84,7 @@ def prove(
     """
     explicit = explicit or structure.links <= MOST_EXPLICIT
     rod = (structure.links, structure.boundary, structure.inertia)
-    what = (*rod, structure.terms, explicit, MOST_JOINTS, structure.uneven)
+    what = (*rod, structure.terms, explicit, MOST_JOINTS, structure.nonuniform)
     packages = (*cache.PACKAGES, "rodgen.check")
     entry = ("proofs", f"{cache.key('proof', *what, packages=packages)}.json")
     kept = _recall(structure, cache.read_text(*entry))
@@ -96,7 +96,7 @@ def prove(
 
     start, held = time.perf_counter(), []
     for c in comparisons(*what):
-        held.append(Held(c.name, c.how, c.entries))
+        held.append(ProofEntry(c.name, c.how, c.entries))
         found(held[-1])
     proof = Proof(structure, tuple(held), time.perf_counter() - start)
     rows = [[h.name, h.how, h.entries] for h in proof.comparisons]
@@ -108,7 +108,7 @@ def _recall(structure: Structure, text: str | None) -> Proof | None:
     """A stored proof, or None where there is none that can be read."""
     try:
         record = json.loads(text or "")
-        rows = tuple(Held(str(n), str(how), int(count)) for n, how, count in record["held"])
+        rows = tuple(ProofEntry(str(n), str(how), int(count)) for n, how, count in record["held"])
         seconds = float(record["seconds"])
         return Proof(structure, rows, seconds, kept=True) if rows else None
     except (ValueError, KeyError, TypeError):

@@ -4,15 +4,15 @@ from __future__ import annotations
 
 import sys
 
-from rodgen.cli.errors import INTERRUPTED, reported
-from rodgen.cli.signals import end_within_libraries, lose_no_ctrl_c
+from rodgen.cli.error_reports import INTERRUPTED, report_errors
+from rodgen.cli.signals import end_within_libraries, resend_lost_ctrl_c
 
 
 def main() -> None:
     """Entry point of the `rodgen` command."""
-    lose_no_ctrl_c()
+    resend_lost_ctrl_c()
     end_within_libraries()
-    with reported():
+    with report_errors():
         from rodgen.cli.app import app  # inside, so that Ctrl-C is reported from the start
 
         status = app(prog_name="rodgen", standalone_mode=False) or 0

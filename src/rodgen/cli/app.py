@@ -1,4 +1,4 @@
-"""All commands together: rodgen's own, and those that installed packages add.
+"""The application: rodgen's own commands, and those that installed packages add.
 
 A package adds commands by entry points of the group `rodgen.commands`: a name, and a function that
 is annotated for Typer.
@@ -13,57 +13,57 @@ from importlib.metadata import EntryPoint, entry_points
 import typer
 
 from rodgen.cli import (
-    animate,
-    boundary,
-    branch,
-    check,
-    critical,
-    cycle,
-    cycle_branch,
-    derive,
-    exponents,
-    modes,
-    nonlinear_mode,
-    precision,
-    run,
-    scenes,
-    show,
-    static,
-    study,
-    view,
+    animate_command,
+    boundary_command,
+    branch_command,
+    check_command,
+    critical_command,
+    cycle_branch_command,
+    cycle_command,
+    derive_command,
+    exponents_command,
+    modes_command,
+    nonlinear_mode_command,
+    precision_command,
+    run_command,
+    scenes_command,
+    show_command,
+    static_command,
+    study_command,
+    view_command,
 )
-from rodgen.cli.errors import BAD_INPUT, fail
-from rodgen.cli.shared import with_shared
+from rodgen.cli.common_options import add_common_options
+from rodgen.cli.error_reports import BAD_INPUT, fail
 
 GROUP = "rodgen.commands"
 EVIDENCE = ("report", "thesis", "audit")  # what evidence/ adds, where it is installed
 OWN: dict[str, Callable[..., object]] = {
-    "scenes": scenes.scenes,
-    "new": scenes.new,
-    "derive": derive.derive,
-    "run": run.run,
-    "view": view.view,
-    "animate": animate.animate,
-    "check": check.check,
-    "show": show.show,
-    "modes": modes.modes,
-    "static": static.static,
-    "critical": critical.critical,
-    "branch": branch.branch,
-    "boundary": boundary.boundary,
-    "exponents": exponents.exponents,
-    "cycle": cycle.cycle,
-    "cycle-branch": cycle_branch.cycle_branch,
-    "nonlinear-mode": nonlinear_mode.nonlinear_mode,
-    "precision": precision.precision,
-    "study": study.study,
+    "scenes": scenes_command.scenes,
+    "new": scenes_command.new,
+    "derive": derive_command.derive,
+    "run": run_command.run,
+    "view": view_command.view,
+    "animate": animate_command.animate,
+    "check": check_command.check,
+    "show": show_command.show,
+    "modes": modes_command.modes,
+    "static": static_command.static,
+    "critical": critical_command.critical,
+    "branch": branch_command.branch,
+    "boundary": boundary_command.boundary,
+    "exponents": exponents_command.exponents,
+    "cycle": cycle_command.cycle,
+    "cycle-branch": cycle_branch_command.cycle_branch,
+    "nonlinear-mode": nonlinear_mode_command.nonlinear_mode,
+    "precision": precision_command.precision,
+    "study": study_command.study,
 }
 HOW = "`make report [NAME=thesis|audit]` in a clone of rodgen installs and runs them"
 
 
-def commands() -> typer.Typer:
-    """All commands: rodgen's, those of installed packages, and for those of evidence/ that are not
-    installed how to get them."""
+def make_app() -> typer.Typer:
+    """Make the application: rodgen's commands, those of installed packages, and for those of
+    evidence/ that are not installed how to get them."""
     added = {entry.name: entry for entry in entry_points(group=GROUP)}
     missing = [name for name in EVIDENCE if name not in added]
     app = typer.Typer(
@@ -75,47 +75,49 @@ def commands() -> typer.Typer:
     )
     for name, command in OWN.items():
         # A negative number is a value to refuse, not an option.
-        _make_known(app, name, command, ignore_unknown_options=name == "derive")
+        _register(app, name, command, ignore_unknown_options=name == "derive")
     for name, entry in sorted(added.items()):
         if name not in OWN:  # a package cannot take the place of a command
-            _add(app, entry)
+            _add_from_package(app, entry)
     for name in missing:
-        _refuse(app, name, f"{name} is not installed: {HOW}", hidden=True)
-    app.callback(invoke_without_command=True)(_alone)
+        _add_unavailable(app, name, f"{name} is not installed: {HOW}", hidden=True)
+    app.callback(invoke_without_command=True)(_run_without_command)
     return app
 
 
-def _add(app: typer.Typer, entry: EntryPoint) -> None:
-    """A command of another package; one that cannot be loaded says so when it is called, and leaves
-    the others alone."""
+def _add_from_package(app: typer.Typer, entry: EntryPoint) -> None:
+    """Add a command of another package; one that cannot be loaded says so when it is called, and
+    leaves the others alone."""
     try:
         command = entry.load()
     except Exception as error:  # whatever another package does when it is imported
-        _refuse(app, entry.name, f"{entry.name} cannot be loaded from {entry.value}: {error}")
+        _add_unavailable(
+            app, entry.name, f"{entry.name} cannot be loaded from {entry.value}: {error}"
+        )
     else:
-        _make_known(app, entry.name, command)
+        _register(app, entry.name, command)
 
 
-def _make_known(
+def _register(
     app: typer.Typer, name: str, command: Callable[..., object], **settings: bool
 ) -> None:
-    """A command with the options that all share, and its first sentence whole in the list."""
+    """Register a command with the options that all share, and its first sentence as short help."""
     about = " ".join((command.__doc__ or "").split())
     sentence = re.match(r".*?\.(?= |$)|.*", about)
     app.command(name, short_help=sentence and sentence[0], context_settings=settings)(
-        with_shared(command)
+        add_common_options(command)
     )
 
 
-def _refuse(app: typer.Typer, name: str, why: str, hidden: bool = False) -> None:
-    def tell() -> None:
+def _add_unavailable(app: typer.Typer, name: str, why: str, hidden: bool = False) -> None:
+    def explain() -> None:
         fail(why, BAD_INPUT)
 
     anything = {"ignore_unknown_options": True, "allow_extra_args": True}
-    app.command(name, hidden=hidden, context_settings=anything, add_help_option=False)(tell)
+    app.command(name, hidden=hidden, context_settings=anything, add_help_option=False)(explain)
 
 
-def _alone(
+def _run_without_command(
     context: typer.Context,
     version: bool = typer.Option(False, "--version", help="Print the version and stop."),
 ) -> None:
@@ -128,4 +130,4 @@ def _alone(
         print(context.get_help())
 
 
-app = commands()
+app = make_app()

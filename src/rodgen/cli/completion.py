@@ -1,4 +1,4 @@
-"""What shells complete: words of a vocabulary, and keys of scenes."""
+"""Shell completion: words of a vocabulary, and keys of scenes."""
 
 from __future__ import annotations
 
@@ -10,15 +10,15 @@ from rodgen.scene.keys import keys_of
 Complete = Callable[[str], list[str]]
 
 
-def words(known: Iterable[str]) -> Complete:
-    """A completion to one of these words."""
+def complete_words(known: Iterable[str]) -> Complete:
+    """Completion to one of these words."""
     listed = list(known)
     return lambda incomplete: [word for word in listed if word.startswith(incomplete)]
 
 
-def listed_words(known: Iterable[str]) -> Complete:
-    """A completion of the last word of a list with commas."""
-    one = words(known)
+def complete_list(known: Iterable[str]) -> Complete:
+    """Completion of the last word of a list with commas."""
+    one = complete_words(known)
 
     def complete(incomplete: str) -> list[str]:
         before, comma, last = incomplete.rpartition(",")
@@ -27,6 +27,6 @@ def listed_words(known: Iterable[str]) -> Complete:
     return complete
 
 
-def keys(incomplete: str) -> list[str]:
-    """A completion to keys of scenes by their dotted names."""
-    return words(keys_of(Scene))(incomplete)
+def complete_keys(incomplete: str) -> list[str]:
+    """Complete the dotted name of a key of scenes."""
+    return complete_words(keys_of(Scene))(incomplete)

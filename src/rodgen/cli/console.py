@@ -1,4 +1,4 @@
-"""What commands print: lines, bars, tables, JSON, and the pictures that they write."""
+"""Output of commands: lines, bars, tables, JSON and pictures."""
 
 from __future__ import annotations
 
@@ -15,15 +15,14 @@ from rich.console import Console
 from rich.table import Table
 
 from rodgen.errors import DoubtWarning
-from rodgen.progress import running as progress
-from rodgen.progress import telling, working
+from rodgen.progress import report_stages_to, show_run, show_work
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from rodgen.result import Result, ResultTable
 
-__all__ = ["err", "out", "progress", "working"]
+__all__ = ["err", "out", "show_run", "show_work"]
 
 _pictures: ContextVar[bool] = ContextVar("pictures", default=True)
 
@@ -32,24 +31,24 @@ err = Console(stderr=True, highlight=False, soft_wrap=True, markup=False)
 
 
 @contextmanager
-def printing(quiet: bool, pictures: bool) -> Iterator[None]:
-    """What is printed and drawn inside: where it is to be quiet, no bars, lines and tables."""
+def set_output(quiet: bool, pictures: bool) -> Iterator[None]:
+    """Set what is printed and drawn inside; quiet: no bars, lines and tables."""
     token, before, out.quiet = _pictures.set(pictures), out.quiet, quiet
     try:
-        with telling(lambda _: None) if quiet else nullcontext():
+        with report_stages_to(lambda _: None) if quiet else nullcontext():
             yield
     finally:
         _pictures.reset(token)
         out.quiet = before
 
 
-def drawn() -> bool:
+def has_pictures() -> bool:
     """Whether pictures are asked for."""
     return _pictures.get()
 
 
-def finite(option: str, value: float | None) -> float | None:
-    """The value of an option; raises InputError for one that is not finite."""
+def check_finite(option: str, value: float | None) -> float | None:
+    """Return the value of an option; raises InputError for one that is not finite."""
     from rodgen.errors import InputError
 
     if value is not None and not math.isfinite(value):
@@ -58,18 +57,18 @@ def finite(option: str, value: float | None) -> float | None:
 
 
 def warn(message: str) -> None:
-    """A line on standard error; what is computed goes on."""
+    """Print a warning on standard error."""
     err.print(f"rodgen: warning: {message}")
 
 
 @contextmanager
-def doubts_printed() -> Iterator[None]:
-    """Python's warnings of doubts as lines on standard error, each once."""
+def print_doubts() -> Iterator[None]:
+    """Print Python's warnings of doubts on standard error, each once."""
     with warnings.catch_warnings():
         warnings.simplefilter("always", DoubtWarning)
         otherwise, said = warnings.showwarning, set[str]()
 
-        def show(message: Warning | str, category: type[Warning], *where: Any) -> None:
+        def show_warning(message: Warning | str, category: type[Warning], *where: Any) -> None:
             text = str(message)
             if not issubclass(category, DoubtWarning):
                 otherwise(message, category, *where)
@@ -77,18 +76,18 @@ def doubts_printed() -> Iterator[None]:
                 said.add(text)
                 warn(text)
 
-        warnings.showwarning = show  # type: ignore[assignment]  # its other arguments go on
+        warnings.showwarning = show_warning  # type: ignore[assignment]  # its other arguments go on
         yield
 
 
 def print_json(result: Mapping[str, Any]) -> None:
-    """A result as one JSON object."""
+    """Print a result as one JSON object."""
     print(json.dumps(result, allow_nan=False))
 
 
 def print_result(title: str, found: Result) -> None:
-    """The tables of a result under a title, after what else there is to know about it; of its
-    doubts Python has warned."""
+    """Print the tables of a result under a title, after its remarks; doubts are printed as
+    warnings."""
     for note in found.notes:
         if note.kind == "remark":
             out.print(f"note: {note}")
@@ -98,7 +97,7 @@ def print_result(title: str, found: Result) -> None:
 
 
 def print_table(title: str, given: ResultTable) -> None:
-    """A table of names and values, or of numbers to the right of their columns."""
+    """Print a table of names and values, or of columns with numbers to the right."""
     table = Table(title=title or None, show_header=any(given.columns))
     for number, column in enumerate(given.columns):
         numbers = any(given.columns) and all(_is_number(row[number]) for row in given.rows)
@@ -114,10 +113,10 @@ def _is_number(cell: str) -> bool:
 
 def write_picture(draw: Callable[[], Figure], folder: Path, name: str) -> None:
     """Draw a picture into a folder, and say so; where none are asked for, do nothing."""
-    if not drawn():
+    if not has_pictures():
         return
-    from rodgen.show.pictures import save_figures
+    from rodgen.show.run_pictures import save_figures
 
-    with working("drawing"):
+    with show_work("drawing"):
         (made,) = save_figures([(name, draw())], folder)
     out.print(f"Written: {made}")

@@ -8,7 +8,7 @@ from typing import Annotated
 
 import typer
 
-from rodgen.cli.completion import keys
+from rodgen.cli.completion import complete_keys
 
 AtTime = Annotated[
     float | None,
@@ -53,7 +53,7 @@ Vary = Annotated[
     typer.Option(
         metavar="KEY",
         help="Number that is varied, such as loads.follower.force.",
-        autocompletion=keys,
+        autocompletion=complete_keys,
     ),
 ]
 ResumeFile = Annotated[
@@ -76,9 +76,8 @@ MostPoints = Annotated[int, typer.Option("--most", help="Largest number of point
 LAST = -1  # the number of a point, if not given
 
 
-def bounds_of(text: str) -> tuple[float | None, float | None]:
-    """The ends of a range that is given as A,B, either of which may be left out. Raises
-    InputError."""
+def parse_bounds(text: str) -> tuple[float | None, float | None]:
+    """Parse a range that is given as A,B, either of which may be left out. Raises InputError."""
     from rodgen.errors import InputError
 
     parts = text.split(",")
@@ -91,19 +90,19 @@ def bounds_of(text: str) -> tuple[float | None, float | None]:
     return low, high
 
 
-def whole_bounds_of(text: str) -> tuple[float, float]:
-    """The same, both of which are needed."""
+def parse_both_bounds(text: str) -> tuple[float, float]:
+    """Parse a range that is given as A,B, both of which are needed. Raises InputError."""
     from rodgen.errors import InputError
 
-    low, high = bounds_of(text)
+    low, high = parse_bounds(text)
     if low is None or high is None:
         raise InputError("--bounds", text, "two numbers, as 0,20: the range of the number")
     return low, high
 
 
-def point_of(file: Path | None, at: int | None, option: str) -> int:
-    """The number of a point of a file, given with that option. Raises InputError for one without a
-    file."""
+def point_number(file: Path | None, at: int | None, option: str) -> int:
+    """Number of a point of a file, by default the last; option: gives the file. Raises InputError
+    for a number without a file."""
     from rodgen.errors import InputError
 
     if at is not None and file is None:

@@ -1,4 +1,4 @@
-"""Ctrl-C, and what a batch system or a closing terminal sends, while there is something to lose."""
+"""Ctrl-C, and signals of batch systems and closing terminals, while there is work to lose."""
 
 from __future__ import annotations
 
@@ -15,14 +15,14 @@ from time import monotonic
 from types import FrameType
 from typing import NoReturn
 
-from rodgen.cli.errors import INTERRUPTED
+from rodgen.cli.error_reports import INTERRUPTED
 from rodgen.native.library import ENDS, end_compilers
 from rodgen.progress import remove_bars
 
 SOON = 0.01  # s
 PATIENCE = 1.0  # seconds that Python has to come to a Ctrl-C
 CLOSE = 0.1  # seconds between a signal and its being seen by a thread
-# What ends a program as Ctrl-C does, where the system has it: a program that is killed by one of
+# Signals that end a program as Ctrl-C does, where the system has them: one that is killed by one of
 # these leaves what it has started.
 ENDING = ("SIGTERM", "SIGHUP", "SIGQUIT")
 
@@ -32,28 +32,27 @@ _calls: list[object] = []  # kept, as Python may still make them
 _last: list[Callable[[], str]] = []
 
 
-def _hear(number: int, frame: FrameType | None) -> NoReturn:
-    """Raise KeyboardInterrupt, and note when."""
+def _handle_interrupt(number: int, frame: FrameType | None) -> NoReturn:
+    """Raise KeyboardInterrupt, and note the time."""
     global _heard
     _heard = monotonic()
     signal.default_int_handler(number, frame)
 
 
-vars(_hear)[ENDS] = True
+vars(_handle_interrupt)[ENDS] = True
 
 
 def end_within_libraries() -> None:
-    """Let Ctrl-C end the program also while a library is at work that looks for no signals, such as
-    LAPACK on a large matrix: where Python does not come to it within PATIENCE, nothing is lost by
-    ending at once."""
+    """Let Ctrl-C end the program also while a library is at work that checks no signals, such as
+    LAPACK on a large matrix: at once, where Python does not handle it within PATIENCE."""
     if signal.getsignal(signal.SIGINT) is signal.default_int_handler:
-        signal.signal(signal.SIGINT, _hear)
+        signal.signal(signal.SIGINT, _handle_interrupt)
     _start_watch()
 
 
 @cache
 def _start_watch() -> None:
-    """Start the thread that looks after signals, once in a process."""
+    """Start the thread that watches signals, once in a process."""
     read, written = socket.socketpair()
     written.setblocking(False)
     signal.set_wakeup_fd(written.fileno(), warn_on_full_buffer=False)
@@ -63,28 +62,28 @@ def _start_watch() -> None:
 
 
 def _watch(read: socket.socket, written: socket.socket) -> None:
-    """Look after every signal whether Python comes to it; written: kept open for the others."""
-    ending = {signal.SIGINT, *_ending()}
+    """Check, at every signal, that Python handles it soon; written: kept open for the others."""
+    ending = {signal.SIGINT, *_ending_signals()}
     while number := read.recv(1):
-        if number[0] in ending and signal.getsignal(signal.SIGINT) is _hear:
-            Thread(target=_look, args=(monotonic(),), daemon=True).start()
+        if number[0] in ending and signal.getsignal(signal.SIGINT) is _handle_interrupt:
+            Thread(target=_end_if_stuck, args=(monotonic(),), daemon=True).start()
 
 
-def _look(since: float) -> None:
-    """End the program unless its main thread comes to a signal soon, by whatever handler that has,
-    or leaves it for later."""
+def _end_if_stuck(since: float) -> None:
+    """End the program unless its main thread handles a signal soon, by whatever handler, or holds
+    it back."""
     came = Event()
 
-    def come(_: object) -> int:
+    def handle(_: object) -> int:
         came.set()
         return 0
 
-    # Python calls it where it comes to signals, after the handlers of these.
-    call = PYFUNCTYPE(c_int, c_void_p)(come)
+    # Python calls it where it handles signals, after their handlers.
+    call = PYFUNCTYPE(c_int, c_void_p)(handle)
     _calls.append(call)
     pythonapi.Py_AddPendingCall(call, None)
     heard = came.wait(PATIENCE) or _heard >= since - CLOSE
-    if heard or signal.getsignal(signal.SIGINT) is not _hear:
+    if heard or signal.getsignal(signal.SIGINT) is not _handle_interrupt:
         return
     end_compilers()
     said = "".join(do() for do in _last)
@@ -94,8 +93,8 @@ def _look(since: float) -> None:
 
 
 @contextmanager
-def at_last(do: Callable[[], str]) -> Iterator[None]:
-    """Call a function if the program is ended at once inside; what it returns is said as well."""
+def call_at_end(do: Callable[[], str]) -> Iterator[None]:
+    """Call a function if the program has to end at once inside; the text it returns is printed."""
     _last.append(do)
     try:
         yield
@@ -103,37 +102,37 @@ def at_last(do: Callable[[], str]) -> Iterator[None]:
         _last.remove(do)
 
 
-def _ending() -> list[signal.Signals]:
+def _ending_signals() -> list[signal.Signals]:
     return [getattr(signal, name) for name in ENDING if hasattr(signal, name)]
 
 
-def end_as_by_ctrl_c() -> None:
-    """Let what a batch system or a terminal sends to end a program do what Ctrl-C does, so that it
-    loses and leaves no more. What is ignored from the start, as under nohup, stays so."""
+def treat_signals_as_ctrl_c() -> None:
+    """Handle the signals by which batch systems and terminals end a program as Ctrl-C, so that it
+    loses and leaves no more. A signal that is ignored from the start, as under nohup, stays so."""
     # In the background of a script, Ctrl-C is ignored from the start: the other would be, too.
     if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
-        let_ctrl_c_through()
-    for number in _ending():
+        restore_ctrl_c()
+    for number in _ending_signals():
         if signal.getsignal(number) is not signal.SIG_IGN:
             signal.signal(number, lambda *_: signal.raise_signal(signal.SIGINT))
 
 
-def hold_back_ctrl_c() -> None:
+def ignore_ctrl_c() -> None:
     """Ignore Ctrl-C: what was computed is to be written first."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
 
 
-def let_ctrl_c_through() -> None:
-    """Let Ctrl-C end what it meets again."""
-    signal.signal(signal.SIGINT, _hear)
+def restore_ctrl_c() -> None:
+    """Let Ctrl-C raise KeyboardInterrupt again."""
+    signal.signal(signal.SIGINT, _handle_interrupt)
 
 
-def lose_no_ctrl_c() -> None:
-    """Let a Ctrl-C come again that met a callback of the interpreter, such as a finalizer, from
-    which nothing can be raised: it would end nothing."""
+def resend_lost_ctrl_c() -> None:
+    """Send a Ctrl-C again that was raised in a callback of the interpreter, such as a finalizer,
+    where it ends nothing."""
     otherwise = sys.unraisablehook
 
-    def look_at(what: sys.UnraisableHookArgs) -> None:
+    def handle_unraisable(what: sys.UnraisableHookArgs) -> None:
         if isinstance(what.exc_value, KeyboardInterrupt):
             again = Timer(SOON, _interrupt)
             again.daemon = True
@@ -141,7 +140,7 @@ def lose_no_ctrl_c() -> None:
         else:
             otherwise(what)
 
-    sys.unraisablehook = look_at
+    sys.unraisablehook = handle_unraisable
 
 
 def _interrupt() -> None:

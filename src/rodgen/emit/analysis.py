@@ -1,9 +1,9 @@
-"""Equations to statements.
+"""Translation of equations into statements.
 
-The derivation gives indexed expressions with sums over links and joints. Here sums become
-running sums, common subexpressions of everything that shares an index are taken out together,
-what depends on indices alone becomes a constant of the module, and the statements are put in an
-order in which each uses only what stands before it. No mechanics.
+The derivation gives indexed expressions with sums over links and joints. Here sums become running
+sums, common subexpressions of everything that shares an index are taken out together, parts that
+depend on indices alone become constants of the module, and the statements are put in an order in
+which each uses only earlier ones. No mechanics.
 """
 
 from __future__ import annotations
@@ -56,10 +56,9 @@ SHARED = "a"  # names of shared subexpressions: a0, a1, ...
 class Analysis:
     """The statements of one function.
 
-    links: number of links; arrays: quantities along the chain that outputs may refer to;
-    constants: those of the module, which grow with every function; parameters: those that are
-    several numbers, with their ranges; numbers: what numbers by their names are, where they are
-    read.
+    links: number of links; arrays: quantities along the chain that outputs may refer to; constants:
+    those of the module, which grow with every function; parameters: those that are several numbers,
+    with their ranges; numbers: expressions of named numbers, which are defined where they are read.
     """
 
     def __init__(
@@ -98,7 +97,7 @@ class Analysis:
             wanted += [d for d in (differentiate(name, fixed),) if d is not None]
         self._define_numbers()
         self._share(wanted)
-        return self._in_order(wanted)
+        return self._sort(wanted)
 
     def constant(self, name: str) -> Constant | None:
         """A constant of the module by name."""
@@ -123,7 +122,7 @@ class Analysis:
         self.statements[name] = Statement(name, VALUE, domain, flat)
 
     def _add_cases(self, name: str, domain: Domain, expr: Piecewise) -> None:
-        """A quantity that differs at single positions; those at an end are left out inside."""
+        """Register a quantity that differs at single positions; its inner range excludes ends."""
         (index,) = domain.indices
         named = {int(equality.rhs) for equality in expr.atoms(Eq)}
         special = {at for at in named if domain.low <= at <= domain.high}
@@ -143,7 +142,7 @@ class Analysis:
         return self._sums[total]
 
     def _add_sum(self, name: str, total: Sum, domain: Domain) -> Expr:
-        """A running sum and, as a statement of their own, its terms."""
+        """Register a running sum and its terms as statements; return the symbol that reads it."""
         index, low, high = total.limits[0]
         if not (low.free_symbols | high.free_symbols):
             kind, span, result = TOTAL, Domain((index,), int(low), int(high)), SCALAR
@@ -161,7 +160,7 @@ class Analysis:
         return self.elements.symbol(name, result.indices[0])
 
     def _flatten(self, expr: Expr) -> Expr:
-        """Elements of arrays become plain symbols, and the arrays statements of their own."""
+        """Replace elements of arrays by plain symbols, and define the arrays as statements."""
         trigonometry = {
             function(angle): base[angle.indices[0]]
             for base, function in TRIGONOMETRY.items()
@@ -176,7 +175,7 @@ class Analysis:
         return expr.xreplace(symbols)
 
     def _define(self, base: IndexedBase) -> None:
-        """Make the array that is read, unless it is given from outside."""
+        """Define an array that is read, unless it is given from outside."""
         name = str(base)
         if name in self.statements:
             return
@@ -186,11 +185,11 @@ class Analysis:
             self._add(name, Domain((array.index,), int(array.low), high), array.value)
         elif base in TRIGONOMETRY:
             angle = self._flatten(phi[i])
-            domain = self._empty((i,))
+            domain = self._empty_domain((i,))
             self.statements[name] = Statement(name, VALUE, domain, TRIGONOMETRY[base](angle))
 
     def _define_numbers(self) -> None:
-        """Mass, length and spring stiffness of a link, sensors and laws, where they are used."""
+        """Define what is used of mass, length and spring stiffness of a link, sensors and laws."""
         while True:
             expressions = [e for st in self.statements.values() for e, _ in st.parts()]
             used = set().union(*(e.free_symbols for e in expressions))
@@ -202,7 +201,7 @@ class Analysis:
                 return
 
     def _hoist(self, expr: Expr, domain: Domain) -> Expr:
-        """Factors and terms that depend on indices alone, as constants of the module."""
+        """Replace factors and terms that depend on indices alone by constants of the module."""
         if expr.free_symbols and expr.free_symbols <= {*INDICES, later}:
             return self._constant(expr, domain)
         if not expr.args:
@@ -225,7 +224,7 @@ class Analysis:
 
     def _share(self, wanted: Iterable[str]) -> None:
         """Take common subexpressions out of all statements that are needed, together."""
-        statements = self._in_order(wanted)
+        statements = self._sort(wanted)
         self.statements = {st.name: st for st in self.statements.values() if st in statements}
         for st in [st.terms for st in statements if st.terms is not None]:
             self.statements[st.name] = st
@@ -240,12 +239,14 @@ class Analysis:
             statement.ends = {at: next(rest) for at in statement.ends}
         for symbol, expr in shared:
             axes = tuple(index for index in INDICES if index in self.axes(expr))
-            self.statements[str(symbol)] = Statement(str(symbol), VALUE, self._empty(axes), expr)
+            self.statements[str(symbol)] = Statement(
+                str(symbol), VALUE, self._empty_domain(axes), expr
+            )
         self._grow()
-        self._unalias({symbol for symbol, _ in shared})
+        self._merge_aliases({symbol for symbol, _ in shared})
 
     def axes(self, expr: Expr) -> set[Symbol]:
-        """Which indices the value of an expression runs over."""
+        """Indices over which the value of an expression runs."""
         found: set[Symbol] = set()
         for symbol in expr.free_symbols:
             element = self.elements.get(symbol)
@@ -263,27 +264,27 @@ class Analysis:
             element = Element(str(symbol), indices, 0) if indices else None
         return element
 
-    def _empty(self, indices: tuple[Symbol, ...]) -> Domain:
-        """A domain that grows with what is read of it."""
+    def _empty_domain(self, indices: tuple[Symbol, ...]) -> Domain:
+        """An empty domain, which `_grow` extends to all that is read of it."""
         return Domain(indices, self.links, -1)
 
     def _grow(self) -> None:
-        """Ranges of shared quantities and of trigonometry: all that their users read."""
+        """Extend ranges of shared quantities and of trigonometry to all that is read of them."""
         growing = {
             st.name
             for st in self.statements.values()
-            if st.domain.along and st.domain == self._empty(st.domain.indices)
+            if st.domain.along and st.domain == self._empty_domain(st.domain.indices)
         }
-        for statement in reversed(self._in_order(self.statements)):
+        for statement in reversed(self._sort(self.statements)):
             for expr, over in statement.parts():
                 for symbol in expr.free_symbols:
                     element = self.read(symbol)
                     if element is not None and element.base in growing:
                         target = self.statements[element.base]
-                        target.domain = target.domain.including(*element.span(over))
+                        target.domain = target.domain.extend(*element.span(over))
 
-    def _unalias(self, shared: set[Symbol]) -> None:
-        """A shared quantity that is an output as it stands takes the name of the output."""
+    def _merge_aliases(self, shared: set[Symbol]) -> None:
+        """Give a shared quantity that is an output as it stands the name of the output."""
         summed = {st.terms.name for st in self.statements.values() if st.terms}
         for name, statement in list(self.statements.items()):
             symbol = statement.expr
@@ -295,7 +296,7 @@ class Analysis:
             del self.statements[target.name]
             self.statements[name] = Statement(name, VALUE, target.domain, target.expr)
             for reader in self.statements.values():
-                reader.map({symbol: Symbol(name, real=True)})
+                reader.replace_symbols({symbol: Symbol(name, real=True)})
 
     # Order ------------------------------------------------------------------------------------
 
@@ -305,14 +306,14 @@ class Analysis:
         elements = {symbol: self.elements.get(symbol) for symbol in symbols}
         return {e.base if e is not None else str(symbol) for symbol, e in elements.items()}
 
-    def _in_order(self, names: Iterable[str]) -> list[Statement]:
-        """The statements behind some names, each after all that it uses."""
+    def _sort(self, names: Iterable[str]) -> list[Statement]:
+        """Statements that some names need, each after all that it uses."""
         done: dict[str, Statement] = {}
 
         def visit(name: str) -> None:
             if name in done or name not in self.statements:
                 return
-            for used in sorted(self.uses(self.statements[name]), key=_natural):
+            for used in sorted(self.uses(self.statements[name]), key=_natural_key):
                 visit(used)
             done[name] = self.statements[name]
 
@@ -321,7 +322,7 @@ class Analysis:
         return list(done.values())
 
 
-def _natural(name: str) -> tuple[str, int, str]:
-    """a2 before a10."""
+def _natural_key(name: str) -> tuple[str, int, str]:
+    """Sort key that puts a2 before a10."""
     head = name.rstrip("0123456789")
     return head, int(name[len(head) :] or -1), name

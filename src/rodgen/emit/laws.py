@@ -1,7 +1,7 @@
 """Expressions of a scene that follow its motion, as functions of sensors and states in SymPy.
 
-SymPy knows of such a law which numbers it follows, and the names of its derivatives by them; its
-text, and theirs, are those of the scene's grammar.
+SymPy knows the arguments of such a law and the symbols of its derivatives by them; the text of both
+is that of the scene's grammar.
 """
 
 from __future__ import annotations
@@ -13,7 +13,7 @@ from typing import ClassVar
 
 from sympy import Expr, Function, Rational, Symbol
 
-from rodgen.derive.sensors import Point, point_at
+from rodgen.derive.sensors import SensorPoint, point_at
 from rodgen.scene.expression import Expression
 from rodgen.scene.grammar import Language, Sensor
 from rodgen.scene.structure import Structure
@@ -21,7 +21,7 @@ from rodgen.scene.structure import Structure
 SENSOR, STATE, RATE_OF = "sensor_", "state_", "rate_"  # before the number of one, the name of one
 
 
-class Law(Function):  # type: ignore[misc]  # SymPy has no types
+class LawFunction(Function):  # type: ignore[misc]  # SymPy has no types
     """A law of the numbers that it is called with, or its derivative by one of them."""
 
     name: ClassVar[str]
@@ -30,19 +30,19 @@ class Law(Function):  # type: ignore[misc]  # SymPy has no types
     by: ClassVar[str] = ""
 
     def fdiff(self, argindex: int = 1) -> Expr:
-        """The name of the derivative by one of its numbers."""
-        return _gain(self.name, argindex - 1)
+        """Symbol of the derivative by one of its arguments."""
+        return _gain_symbol(self.name, argindex - 1)
 
     def text(self, language: Language, start: str, clock: str, signals: Sequence[str]) -> str:
         """Code of its value; start: of p; clock, signals: code of the time, and of what it is
         called with."""
         known = {"t": clock} | dict(zip(self.expression.signals, signals, strict=True))
         if self.by:
-            return self.expression.slope_source(self.by, language, self.places, start, known)
+            return self.expression.derivative_source(self.by, language, self.places, start, known)
         return self.expression.source(language, self.places, start, known)
 
 
-def _gain(name: str, at: int) -> Symbol:
+def _gain_symbol(name: str, at: int) -> Symbol:
     return Symbol(f"{name}_by_{at}", real=True)
 
 
@@ -53,67 +53,67 @@ class Laws:
     structure: Structure
 
     @cached_property
-    def points(self) -> list[tuple[Sensor, Point]]:
+    def points(self) -> list[tuple[Sensor, SensorPoint]]:
         """Sensors in their order, each with the point that it is fixed to."""
-        n, hold = self.structure.links, self.structure.hold
-        return [(of, point_at(Rational(repr(of.at)), n, hold)) for of in self.structure.sensors]
+        n, boundary = self.structure.links, self.structure.boundary_condition
+        return [(of, point_at(Rational(repr(of.at)), n, boundary)) for of in self.structure.sensors]
 
     @cached_property
     def sensors(self) -> dict[Symbol, Expr]:
-        """What sensors measure."""
-        measured = (point.measured(of.what) for of, point in self.points)
+        """Expressions that sensors measure, by symbol."""
+        measured = (point.measurement(of.what) for of, point in self.points)
         return {Symbol(f"{SENSOR}{at}", real=True): e for at, e in enumerate(measured)}
 
     @cached_property
     def states(self) -> list[Symbol]:
-        """The states that are added."""
+        """Symbols of the states that are added."""
         return [Symbol(f"{STATE}{name}", real=True) for name in self.structure.state_names]
 
     @cached_property
-    def measured(self) -> dict[Sensor, Symbol]:
-        """Names of what sensors measure."""
+    def sensor_symbols(self) -> dict[Sensor, Symbol]:
+        """Symbols of what sensors measure, by sensor."""
         return {of: symbol for (of, _), symbol in zip(self.points, self.sensors, strict=True)}
 
     def _signals(self, expression: Expression) -> list[Symbol]:
-        named = {of.text: symbol for of, symbol in self.measured.items()}
+        named = {of.text: symbol for of, symbol in self.sensor_symbols.items()}
         named |= dict(zip(self.structure.state_names, self.states, strict=True))
         return [named[signal] for signal in expression.signals]
 
     def _law(self, name: str, by: int | None = None) -> Expr:
         expression = self.structure.laws[name]
-        known = {"name": name, "expression": expression, "places": self.structure.places}
+        known = {"name": name, "expression": expression, "places": self.structure.slices}
         known |= {"by": "" if by is None else expression.signals[by]}
-        kind = type(name if by is None else str(_gain(name, by)), (Law,), known)
+        kind = type(name if by is None else str(_gain_symbol(name, by)), (LawFunction,), known)
         return kind(*self._signals(expression))
 
     @cached_property
     def inputs(self) -> list[Symbol]:
-        """Parameters that follow the motion."""
+        """Symbols of the parameters that follow the motion."""
         names = [name for name in self.structure.laws if not name.startswith(RATE_OF)]
         return [Symbol(name, real=True) for name in names]
 
     @cached_property
     def rates(self) -> dict[str, Expr]:
-        """Rates of the states that are added."""
+        """Rates of the states that are added, by name."""
         names = (f"{RATE_OF}{name}" for name in self.structure.state_names)
         return {name: self._law(name) for name in names}
 
     @cached_property
     def gains(self) -> dict[Symbol, tuple[str, Symbol, Expr]]:
-        """Derivatives of laws, by their names: of which law, by what, and what they are."""
+        """Derivatives of laws by symbol: name of the law, argument, and expression of each."""
         found = {}
         for name, expression in self.structure.laws.items():
             for at, signal in enumerate(self._signals(expression)):
-                found[_gain(name, at)] = name, signal, self._law(name, at)
+                found[_gain_symbol(name, at)] = name, signal, self._law(name, at)
         return found
 
     @cached_property
-    def shown(self) -> dict[str, Expr]:
+    def signal_expressions(self) -> dict[str, Expr]:
         """Sensors and parameters that follow the motion, by name."""
         return {str(symbol): self.definitions[symbol] for symbol in (*self.sensors, *self.inputs)}
 
     @cached_property
     def definitions(self) -> dict[Symbol, Expr]:
-        """All that a function may read, by name."""
+        """Expressions of all that a function may read, by symbol."""
         fed = {symbol: self._law(str(symbol)) for symbol in self.inputs}
         return fed | self.sensors | {name: e for name, (_, _, e) in self.gains.items()}

@@ -1,5 +1,5 @@
-"""Masses that are functions of time, as code: those of bodies, and those of links in a function of
-their own, by Gauss points; loads that are functions of time and place likewise."""
+"""Code of masses that are functions of time: of bodies, and of links in a function of their own, by
+Gauss points; likewise of loads that are functions of time and place."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ import numpy as np
 
 from rodgen.scene.grammar import Language
 from rodgen.scene.law import POINTS, WEIGHTS
-from rodgen.scene.numbers import mass_of
+from rodgen.scene.number_names import mass_name
 from rodgen.scene.structure import Structure
 
 OWN, RATE = "own_mass", "_rate"
@@ -28,33 +28,33 @@ class Masses:
 
     structure: Structure
 
-    def of_bodies(self, language: Language, start: str = "", clock: str = "t") -> dict[str, str]:
+    def body_codes(self, language: Language, start: str = "", clock: str = "t") -> dict[str, str]:
         """Code of the masses of bodies and of their rates, by name; start: of p; clock: of the
         time."""
         masses = self.structure.open_masses.items()
-        bodies = {name: e for name, e in masses if name != mass_of("")}
-        places, found = self.structure.places, dict[str, str]()
+        bodies = {name: e for name, e in masses if name != mass_name("")}
+        places, found = self.structure.slices, dict[str, str]()
         for name, e in bodies.items():
             at = {"t": clock}
             found[name] = f"{WEIGHT[language.prefix]}({e.source(language, places, start, at)})"
-            found[name + RATE] = e.slope_source("t", language, places, start, at)
+            found[name + RATE] = e.derivative_source("t", language, places, start, at)
         return found
 
-    def of_links(self, language: Language) -> dict[str, str]:
+    def link_codes(self, language: Language) -> dict[str, str]:
         """Code of the mass per length and of its rate at s, and of loads at s, by the names of what
         links have."""
-        place, places = {"s": "s"}, self.structure.places
+        place, places = {"s": "s"}, self.structure.slices
         loads = self.structure.open_along.items()
         found = {name: e.source(language, places, "", place) for name, e in loads}
-        e = self.structure.open_masses.get(mass_of(""))
+        e = self.structure.open_masses.get(mass_name(""))
         if e is not None:
             found[OWN] = e.source(language, places, "", place)
-            found[OWN + RATE] = e.slope_source("t", language, places, "", place)
+            found[OWN + RATE] = e.derivative_source("t", language, places, "", place)
         return found
 
     def context(self, language: Language) -> dict[str, object]:
-        """What templates know of them."""
-        bodies, links = self.of_bodies(language), self.of_links(language)
+        """Template context of masses, and of loads along the rod."""
+        bodies, links = self.body_codes(language), self.link_codes(language)
         return {
             "emptying": bool(self.structure.masses),
             "in_time": IN_TIME if self.structure.masses else (),

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from functools import cached_property
 
-from rodgen.derive.general import Equations
+from rodgen.derive.general import GeneralEquations
 from rodgen.derive.implicit_form import ImplicitForm
 from rodgen.derive.sensors import AXES
 from rodgen.derive.symbols import i, n
@@ -21,19 +21,19 @@ class NewtonMatrix:
     """
 
     form: ImplicitForm
-    equations: Equations
+    equations: GeneralEquations
     laws: Laws
     link: Domain
     links: int
 
     @property
     def outputs(self) -> Outputs:
-        """All of it."""
+        """All outputs: cells, motion and border."""
         return self.cells | self.motion | self.border
 
     @cached_property
     def cells(self) -> Outputs:
-        """What implicit gives, by the names that the templates put together."""
+        """Outputs of implicit, by the names that the templates put together."""
         form, link = self.form, self.link
         outputs: Outputs = {f"residual_{r}": (link, e) for r, e in enumerate(form.residual)}
         blocks = {
@@ -54,17 +54,17 @@ class NewtonMatrix:
 
     @cached_property
     def motion(self) -> Outputs:
-        """What takes the place of prefix sums in a Newton matrix: derivatives of the velocity that
-        a link adds (by its rate also of the position by its angle), and of the acceleration of
-        joint 0 where it moves."""
+        """Outputs in place of prefix sums in a Newton matrix: derivatives of the velocity that a
+        link adds (that by its rate is also that of the position by its angle), and of the
+        acceleration of joint 0 where it moves."""
         form, out = self.form, Outputs()
-        if self.equations.dragged:
-            for kind, gained in zip(("angle", "rate"), form.lever_by, strict=True):
+        if self.equations.has_velocity_loads:
+            for kind, gained in zip(("angle", "rate"), form.lever_derivatives, strict=True):
                 for r in range(2):
                     out[f"lever_{kind}_{r}"] = self.link, gained[r]
         moved = ("velocity", "position")  # of joints, of which there is one more than links
-        if self.equations.hold.translates:
-            for kind, matrices in form.base_by(self.links).items():
+        if self.equations.boundary_condition.translates:
+            for kind, matrices in form.base_derivatives(self.links).items():
                 for at, matrix in matrices.items():
                     for r in range(matrix.rows):
                         for c in range(matrix.cols):
@@ -75,19 +75,19 @@ class NewtonMatrix:
 
     @cached_property
     def border(self) -> Outputs:
-        """What borders a Newton matrix: derivatives of the equations by parameters that follow the
-        motion, of laws by what they follow, and of sensors by the state."""
+        """Outputs that border a Newton matrix: derivatives of the equations by parameters that
+        follow the motion, of laws by what they follow, and of sensors by the state."""
         form, link, out = self.form, self.link, Outputs()
         for at, number in enumerate(self.laws.inputs):
             for r, e in enumerate(form.by_number(number)):
                 out[f"by_input_{at}_{r}"] = link, e.subs(n, self.links)
-            if self.equations.hold.translates:
+            if self.equations.boundary_condition.translates:
                 for r, e in enumerate(form.base_by_number(number, self.links)):
                     out[f"base_input_{at}_{r}"] = SCALAR, e.subs({i: 0, n: self.links})
         out |= {str(gain): (SCALAR, e) for gain, (_, _, e) in self.laws.gains.items()}
         for at, (sensor, point) in enumerate(self.laws.points):
             if sensor.what in AXES and not point.held:
                 along = replace(link, high=point.link)
-                for kind, e in zip(("angle", "rate"), point.followed(sensor.what), strict=True):
+                for kind, e in zip(("angle", "rate"), point.derivatives(sensor.what), strict=True):
                     out[f"sensed_{kind}_{at}"] = along, e
         return {name: (domain, e) for name, (domain, e) in out.items() if e != 0}

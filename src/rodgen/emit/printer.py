@@ -1,4 +1,4 @@
-"""SymPy to text in a dialect, with the cheap factors of a product first.
+"""Printer of SymPy expressions in a dialect, with the cheap factors of a product first.
 
 Scalars multiply before arrays and arrays along one axis before whole matrices, so that a
 product touches as few numbers as it can.
@@ -41,7 +41,7 @@ from sympy import (
 from sympy.core.relational import Relational
 from sympy.logic.boolalg import BooleanTrue
 
-from rodgen.emit.laws import Law
+from rodgen.emit.laws import LawFunction
 from rodgen.scene import grammar
 
 SUM, PRODUCT, POWER, ATOM = range(4)
@@ -49,7 +49,7 @@ SUM, PRODUCT, POWER, ATOM = range(4)
 
 @dataclass(frozen=True)
 class Dialect:
-    """How functions, the least and the greatest, choices, powers and rationals are written, and the
+    """Syntax of functions, the least and the greatest, choices, powers and rationals, and of the
     laws of scenes."""
 
     functions: dict[type, str]
@@ -91,8 +91,8 @@ NUMPY = Dialect(
 
 
 class Printer:
-    """Prints an expression; ``name`` says how a symbol is written, ``rank`` how large it is
-    (0 for a number, 1 for an array along one axis, 2 for a matrix), ``start`` where in p the
+    """Printer of expressions; ``name`` says how a symbol is written, ``rank`` how large it is (0
+    for a number, 1 for an array along one axis, 2 for a matrix), ``start`` where in p the
     parameters of a rod begin, ``clock`` how the time is written."""
 
     def __init__(
@@ -113,7 +113,7 @@ class Printer:
         """How many axes the value of an expression has."""
         return max((self._rank(symbol) for symbol in expression.free_symbols), default=0)
 
-    def _wrapped(self, expression: Expr, least: int) -> str:
+    def _parenthesise(self, expression: Expr, least: int) -> str:
         text, strength = self._print(expression)
         return text if strength >= least else f"({text})"
 
@@ -126,7 +126,7 @@ class Printer:
                 return text, ATOM if e.q == 1 and e.p >= 0 else PRODUCT if e.p >= 0 else SUM
             case Add():
                 content, rest = e.primitive()
-                if content.q != 1 and self._unit(rest):  # (a + b)/2, not a/2 + b/2
+                if content.q != 1 and self._has_unit_coefficients(rest):  # (a + b)/2, not a/2 + b/2
                     return self._mul(Mul(content, rest, evaluate=False))
                 return self._add(e), SUM
             case Mul():
@@ -138,7 +138,7 @@ class Printer:
             case Relational():
                 return f"{self(e.lhs)} {e.rel_op} {self(e.rhs)}", SUM
             case Heaviside():  # the slope of the least and the greatest, whichever at a kink
-                positive = f"{self._wrapped(e.args[0], SUM)} > 0"
+                positive = f"{self._parenthesise(e.args[0], SUM)} > 0"
                 return self._dialect.choice.format(condition=positive, value=1, other=0), ATOM
             case Max() | Min():
                 extreme = self._dialect.extremes[type(e)]
@@ -148,7 +148,7 @@ class Printer:
                 return joint.join(f"({self(part)})" for part in e.args), SUM
             case NumberSymbol():
                 return repr(float(e)), ATOM
-            case Law():
+            case LawFunction():
                 signals = list(map(self, e.args))
                 return e.text(self._dialect.language, self._start, self._clock, signals), ATOM
         if type(e) in self._dialect.functions:
@@ -156,27 +156,27 @@ class Printer:
         raise TypeError(f"no text for {type(e).__name__}: {e}")
 
     def _add(self, e: Add) -> str:
-        terms = sorted(e.args, key=lambda a: (self._negative(a), a.sort_key()))
-        text = self._wrapped(terms[0], SUM)
+        terms = sorted(e.args, key=lambda a: (self._is_negative(a), a.sort_key()))
+        text = self._parenthesise(terms[0], SUM)
         for term in terms[1:]:
-            if self._negative(term):
-                text += f" - {self._wrapped(-term, PRODUCT)}"
+            if self._is_negative(term):
+                text += f" - {self._parenthesise(-term, PRODUCT)}"
             else:
-                text += f" + {self._wrapped(term, PRODUCT)}"
+                text += f" + {self._parenthesise(term, PRODUCT)}"
         return text
 
-    def _unit(self, e: Expr) -> bool:
+    def _has_unit_coefficients(self, e: Expr) -> bool:
         return all(abs(term.as_coeff_Mul()[0]) == 1 for term in e.args)
 
-    def _negative(self, e: Expr) -> bool:
+    def _is_negative(self, e: Expr) -> bool:
         return bool(e.as_coeff_Mul()[0] < 0)
 
     def _mul(self, e: Mul) -> tuple[str, int]:
         number, _ = e.as_coeff_Mul()
         if number < 0:
-            return f"-{self._wrapped(-e, PRODUCT)}", SUM
+            return f"-{self._parenthesise(-e, PRODUCT)}", SUM
         parts: list[tuple[int, bool, Expr]] = [
-            (self.rank(f), self._inverse(f), f) for f in e.args if not f.is_Rational
+            (self.rank(f), self._is_inverse(f), f) for f in e.args if not f.is_Rational
         ]
         if number.q != 1:
             parts.append((0, True, Rational(number.q)))
@@ -190,25 +190,25 @@ class Printer:
             bottom = parts.pop(0)[2]
             text = self._dialect.fraction.format(p=top, q=bottom)
         else:
-            text = self._wrapped(parts.pop(0)[2], PRODUCT)
+            text = self._parenthesise(parts.pop(0)[2], PRODUCT)
         for _, inverse, factor in parts:
             if inverse:
                 shown = factor if factor.is_Rational else 1 / factor
-                text += f"/{self._wrapped(shown, POWER)}"
+                text += f"/{self._parenthesise(shown, POWER)}"
             else:
-                text += f"*{self._wrapped(factor, POWER)}"
+                text += f"*{self._parenthesise(factor, POWER)}"
         return text, PRODUCT
 
-    def _inverse(self, e: Expr) -> bool:
+    def _is_inverse(self, e: Expr) -> bool:
         return bool(e.is_Pow and e.exp.is_Rational and e.exp < 0)
 
     def _pow(self, e: Pow) -> tuple[str, int]:
         if e.exp == Rational(1, 2):
             return f"{self._dialect.root}({self(e.base)})", ATOM
         if e.exp < 0:
-            return f"1/{self._wrapped(1 / e, POWER)}", PRODUCT
+            return f"1/{self._parenthesise(1 / e, POWER)}", PRODUCT
         base, strength = self._print(e.base)
-        return self._dialect.power(base, self._wrapped(e.exp, ATOM), strength)
+        return self._dialect.power(base, self._parenthesise(e.exp, ATOM), strength)
 
     def _piecewise(self, e: Piecewise) -> str:
         text = None

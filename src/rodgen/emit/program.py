@@ -9,7 +9,7 @@ from sympy import Expr, IndexedBase, Symbol
 
 from rodgen.derive.symbols import Array, i
 from rodgen.emit.analysis import Analysis
-from rodgen.emit.numpy.writer import Writer
+from rodgen.emit.numpy.array_writer import ArrayWriter
 from rodgen.emit.statements import PAIR, Constant, Domain, Program, Statement
 
 Outputs = Mapping[str, tuple[Domain, Expr]]
@@ -17,22 +17,22 @@ Outputs = Mapping[str, tuple[Domain, Expr]]
 
 @dataclass(frozen=True)
 class Solve:
-    """What a function solves for in between: names of the solution (and of its tangents), and
-    from where to where it runs."""
+    """Solution of a system within a function: names of the unknowns (and of their tangents), and
+    their range."""
 
     unknowns: tuple[str, ...] = ()
     domain: Domain = field(default=Domain())
 
     @property
     def names(self) -> tuple[set[str], set[str]]:
-        """What is known after each solution."""
+        """Names that are known after each solution: the unknowns, then their tangents."""
         return set(self.unknowns), {f"d_{name}" for name in self.unknowns}
 
 
 @dataclass(frozen=True)
-class Analysed:
-    """Statements of a function, those that are not only terms of a sum by phase, and what knows
-    their elements; operations of one evaluation."""
+class AnalysedFunction:
+    """A function, analysed: its analysis, its statements, those of each phase without mere terms of
+    a sum, and operations of one evaluation."""
 
     analysis: Analysis
     statements: list[Statement]
@@ -70,7 +70,7 @@ class Compiler:
         outputs: Outputs,
         tangents: Mapping[str, frozenset[str]] | None = None,
         values: Iterable[str] | None = None,
-    ) -> Analysed:
+    ) -> AnalysedFunction:
         """The statements of a function in phases, not written yet.
 
         tangents: outputs whose tangent is wanted; values: those whose value is (all, if not
@@ -84,7 +84,7 @@ class Compiler:
         kept = [st for st in statements if st.name not in summed]
         given = [*wanted, *(f"d_{name}" for name in tangents or ())]
         cost = sum(st.operations() for st in statements)
-        return Analysed(analysis, statements, self._phases(analysis, kept, given), cost)
+        return AnalysedFunction(analysis, statements, self._phases(analysis, kept, given), cost)
 
     def compile(
         self,
@@ -93,7 +93,7 @@ class Compiler:
         tangents: Mapping[str, frozenset[str]] | None = None,
         values: Iterable[str] | None = None,
         given: Mapping[str, Domain] | None = None,
-        writer: type[Writer] = Writer,
+        writer: type[ArrayWriter] = ArrayWriter,
     ) -> Program:
         """The statements of a function, written for NumPy or by another writer; batch: for states
         along leading axes; given: arrays from outside that do not start at link 0, in place of the

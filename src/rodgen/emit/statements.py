@@ -1,4 +1,4 @@
-"""What a generated function is made of: statements over domains, in an order.
+"""Statements over domains, of which generated functions are made, in their order.
 
 What they read of arrays are plain symbols, which SymPy shares and sorts like any other:
 ``phi[i-1]`` is the symbol of that name, and a table knows that it reads the array phi one before
@@ -13,7 +13,7 @@ from dataclasses import dataclass, field
 from sympy import Expr, Symbol
 
 from rodgen.derive.symbols import i, j
-from rodgen.emit.laws import Law
+from rodgen.emit.laws import LawFunction
 
 # Every pair of links, for a matrix.
 PAIR = (i, j)
@@ -24,7 +24,7 @@ SUMS = (PREFIX, SUFFIX, TOTAL)
 
 
 class Axes:
-    """What has axes: one for every index, and one for the directions of a tangent."""
+    """Axes of a quantity: one for every index, and one for the directions of a tangent."""
 
     indices: tuple[Symbol, ...]
 
@@ -34,15 +34,15 @@ class Axes:
         return tuple(index for index in self.indices if index != DIRECTION)
 
     @property
-    def tangent(self) -> bool:
+    def is_tangent(self) -> bool:
         """Whether it has directions."""
         return DIRECTION in self.indices
 
 
 @dataclass(frozen=True)
 class Domain(Axes):
-    """Over which indices a quantity is computed: none, one with its range, or all pairs; a
-    tangent has its directions as a last axis."""
+    """Indices over which a quantity is computed: none, one with its range, or all pairs; a tangent
+    has its directions as a last axis."""
 
     indices: tuple[Symbol, ...] = ()
     low: int = 0
@@ -59,8 +59,8 @@ class Domain(Axes):
             return False
         return not self.along or (self.low, self.high) == (other.low, other.high)
 
-    def including(self, low: int, high: int) -> Domain:
-        """Its axes over a range that includes another."""
+    def extend(self, low: int, high: int) -> Domain:
+        """Domain with the same axes, over a range that also includes low to high."""
         return Domain(self.indices, min(self.low, low), max(self.high, high))
 
 
@@ -71,7 +71,7 @@ Outputs = dict[str, tuple[Domain, Expr]]
 
 @dataclass(frozen=True)
 class Element(Axes):
-    """base[index + offset]; base[offset] where there is no index; the whole matrix for a pair."""
+    """Element of an array: base[index + offset], base[offset] or, for a pair, all of a matrix."""
 
     base: str
     indices: tuple[Symbol, ...]
@@ -112,7 +112,7 @@ class Elements:
         return symbol
 
     def get(self, symbol: Symbol) -> Element | None:
-        """What a symbol reads, if it stands for an element."""
+        """Element that a symbol stands for, or None."""
         return self._of.get(symbol)
 
 
@@ -141,9 +141,9 @@ class Statement:
         return self.domain.count
 
     @property
-    def law(self) -> bool:
-        """Whether it is a law of the scene, of whose numbers nothing is known."""
-        return isinstance(self.expr, Law)
+    def is_law(self) -> bool:
+        """Whether it is a law of the scene, which may give any value, not-a-number too."""
+        return isinstance(self.expr, LawFunction)
 
     def parts(self) -> Iterator[tuple[Expr, Domain]]:
         """Every expression with the domain over which it is computed."""
@@ -155,7 +155,7 @@ class Statement:
         for value in self.ends.values():
             yield value, SCALAR
 
-    def map(self, change: dict[Expr, Expr]) -> None:
+    def replace_symbols(self, change: dict[Expr, Expr]) -> None:
         """Replace symbols in all expressions."""
         self.expr = self.expr.xreplace(change)
         self.ends = {at: e.xreplace(change) for at, e in self.ends.items()}
@@ -195,6 +195,6 @@ class Program:
         return any(st.name == name for st in self.statements)
 
     @property
-    def laws(self) -> bool:
+    def has_laws(self) -> bool:
         """Whether any statement is a law of the scene, which may name the time."""
-        return any(st.law for st in self.statements)
+        return any(st.is_law for st in self.statements)

@@ -1,5 +1,5 @@
-"""Coefficients of the compiled methods, worked out in high precision, as headers of
-native/; `make docs NAME=reference` writes them, `make check ONLY=reference` compares them."""
+"""Headers of native/ with the coefficients of the compiled methods, computed in high precision;
+`make docs NAME=reference` writes them, `make check ONLY=reference` compares them."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ import sympy
 from numpy.typing import NDArray
 from scipy.integrate import DOP853
 
-from rodgen.model.method import Collocation, Tableau, stability_polynomial
+from rodgen.model.method import CollocationRule, Tableau, stability_polynomial
 from rodgen.model.methods import COLLOCATION, COMPILED, TABLEAUX
 from rodgen.model.methods.dop853 import HALVED, LARGEST_LAST, MOST_PARTS
 
@@ -37,12 +37,12 @@ def _methods() -> str:
 def _tableaux() -> str:
     dop853 = _dop853()
     parts = {
-        f"struct stage stages[{len(dop853['stages'])}]": map(_stage, dop853["stages"]),
-        "struct sum weights": _sum(dop853["weights"]),
-        "struct sum error5": _sum(dop853["error5"]),
-        "struct sum error3": _sum(dop853["error3"]),
-        f"struct stage more[{len(dop853['more'])}]": map(_stage, dop853["more"]),
-        f"struct sum dense[{len(dop853['dense'])}]": map(_sum, dop853["dense"]),
+        f"struct stage stages[{len(dop853['stages'])}]": map(_stage_initialiser, dop853["stages"]),
+        "struct sum weights": _sum_initialiser(dop853["weights"]),
+        "struct sum error5": _sum_initialiser(dop853["error5"]),
+        "struct sum error3": _sum_initialiser(dop853["error3"]),
+        f"struct stage more[{len(dop853['more'])}]": map(_stage_initialiser, dop853["more"]),
+        f"struct sum dense[{len(dop853['dense'])}]": map(_sum_initialiser, dop853["dense"]),
         "double largest_last": LARGEST_LAST,
         "double halved": HALVED,
         "int most_parts": str(MOST_PARTS),
@@ -51,7 +51,10 @@ def _tableaux() -> str:
     lines = [
         *_banner("Tableaux of the methods, as run.h has their parts"),
         "static const struct tableau fixed_tableaux[] = {",
-        *(f"    [RODGEN_{name.upper()}] = {_fixed(of)}," for name, of in TABLEAUX.items()),
+        *(
+            f"    [RODGEN_{name.upper()}] = {_tableau_initialiser(of)},"
+            for name, of in TABLEAUX.items()
+        ),
         "};",
         "",
         "/* largest_last: of the last part of the dense output, up to which it is taken; halved:",
@@ -61,12 +64,12 @@ def _tableaux() -> str:
         "static const struct {",
         *(f"    {part};" for part in parts),
         "} dop853 = {",
-        *(f"    {_braced(values)}," for values in parts.values()),
+        *(f"    {_initialiser(values)}," for values in parts.values()),
         "};",
     ]
     for name, method in COLLOCATION.items():
         lines += ["", f"static const struct collocation {name} = {{"]
-        lines += [f"    .{key} = {_braced(of)}," for key, of in _collocation(method).items()]
+        lines += [f"    .{key} = {_initialiser(of)}," for key, of in _collocation(method).items()]
         lines += ["};"]
     return "\n".join(lines) + "\n"
 
@@ -81,34 +84,34 @@ def _banner(title: str) -> list[str]:
     ]
 
 
-def _stage(stage: tuple[float, list[tuple[int, float]]]) -> str:
+def _stage_initialiser(stage: tuple[float, list[tuple[int, float]]]) -> str:
     share, terms = stage
-    return f"{{{share!r}, {_sum(terms)}}}"
+    return f"{{{share!r}, {_sum_initialiser(terms)}}}"
 
 
-def _sum(terms: list[tuple[int, float]]) -> str:
-    """A sum of stages as struct sum has it."""
+def _sum_initialiser(terms: list[tuple[int, float]]) -> str:
+    """Initialiser of struct sum: a sum of stages."""
     if len(terms) > LONGEST_SUM:
         raise ValueError(f"a sum of {len(terms)} stages: at most {LONGEST_SUM}, see run.h")
     places, values = zip(*terms, strict=True)
-    return f"{{{len(terms)}, {_braced(map(repr, places))}, {_braced(values)}}}"
+    return f"{{{len(terms)}, {_initialiser(map(repr, places))}, {_initialiser(values)}}}"
 
 
-def _braced(values: Any) -> str:
+def _initialiser(values: Any) -> str:
     """Numbers, or texts of them, in nested braces; a text is left as it is."""
     if isinstance(values, str):
         return values
     if isinstance(values, float):
         return repr(values)
-    return f"{{{', '.join(map(_braced, values))}}}"
+    return f"{{{', '.join(map(_initialiser, values))}}}"
 
 
-def _fixed(tableau: Tableau) -> str:
-    """A method of fixed step: number of its stages, whether positions follow the velocities, times
-    of the stages, and a sum for every stage after the first and for the step."""
-    sums = (_sum(_terms(list(map(float, row)))) for row in tableau.rows)
+def _tableau_initialiser(tableau: Tableau) -> str:
+    """Initialiser of a method of fixed step: number of its stages, whether positions follow the
+    velocities, times of the stages, and a sum for every stage after the first and for the step."""
+    sums = (_sum_initialiser(_terms(list(map(float, row)))) for row in tableau.rows)
     times = [float(c) for c in tableau.c]
-    return _braced([repr(len(tableau.b)), repr(int(tableau.follow)), times, list(sums)])
+    return _initialiser([repr(len(tableau.b)), repr(int(tableau.follow)), times, list(sums)])
 
 
 def _dop853() -> dict[str, Any]:
@@ -123,11 +126,11 @@ def _dop853() -> dict[str, Any]:
         "error5": _terms(DOP853.E5),
         "error3": _terms(DOP853.E3),
         "dense": [_terms(row) for row in DOP853.D],
-        "limits": _limits(DOP853.A, DOP853.B),
+        "limits": _stability_limits(DOP853.A, DOP853.B),
     }
 
 
-def _limits(A: NDArray[np.float64], b: NDArray[np.float64]) -> list[float]:
+def _stability_limits(A: NDArray[np.float64], b: NDArray[np.float64]) -> list[float]:
     """Radius of the stability region of a Runge-Kutta method in directions from the imaginary to
     the negative real axis: up to there the amplification is at most one, but for rounding."""
     coefficients = stability_polynomial(A, b)
@@ -145,7 +148,7 @@ def _terms(row: Sequence[float]) -> list[tuple[int, float]]:
     return [(at, float(value)) for at, value in enumerate(row) if value != 0]
 
 
-def _collocation(method: Collocation) -> Mapping[str, Any]:
+def _collocation(method: CollocationRule) -> Mapping[str, Any]:
     """Collocation at three nodes, transformed as in RADAU5 (Hairer, Wanner: Solving Ordinary
     Differential Equations II, IV.8): with z the stages less the state, A^-1 = T L T^-1, L holding
     a real number and a pair of complex ones."""
@@ -180,10 +183,10 @@ def _collocation(method: Collocation) -> Mapping[str, Any]:
             "real": float(values[real].real),
             "pair": (float(values[pair].real), float(-values[pair].imag)),
             "end": _floats(end),
-            "error": _floats(_error(c, b, inverse, gamma)),
-            "dense": _rows(_dense(c)),
-            "slope": _floats(_slope(c)),
-            "missing": _rows(_missing(c)),
+            "error": _floats(_error_weights(c, b, inverse, gamma)),
+            "dense": _rows(_dense_weights(c)),
+            "slope": _floats(_slope_weights(c)),
+            "missing": _rows(_correction_terms(c)),
             "power": float(method.power),
             "weight": method.weight,
         }
@@ -197,7 +200,7 @@ def _nodes(a: int, b: int) -> list[Any]:
     return [mpmath.mpf(1) if abs(root - 1) < mpmath.mpf(10) ** -30 else root for root in found]
 
 
-def _error(c: Any, b: Any, inverse: Any, gamma: Any) -> Any:
+def _error_weights(c: Any, b: Any, inverse: Any, gamma: Any) -> Any:
     """The end of the step by the quadrature of order 3 that also weighs the start by gamma, less
     the end itself, as sum error_i z_i / gamma beside h f(start)."""
     powers = mpmath.matrix(3, 3)
@@ -210,7 +213,7 @@ def _error(c: Any, b: Any, inverse: Any, gamma: Any) -> Any:
     return inverse.T * (other - b) / gamma
 
 
-def _dense(c: Any) -> Any:
+def _dense_weights(c: Any) -> Any:
     """Coefficients of x, x^2, x^3 of the collocation polynomial less the state, from z."""
     powers = mpmath.matrix(3, 3)
     for row in range(3):
@@ -219,18 +222,18 @@ def _dense(c: Any) -> Any:
     return mpmath.inverse(powers)
 
 
-def _slope(c: Any) -> Any:
+def _slope_weights(c: Any) -> Any:
     """The slope of the collocation polynomial at the end of the step, from z, where the method
     does not make it that of the equations there."""
     if abs(c[2] - 1) < mpmath.mpf(10) ** -30:
         return mpmath.zeros(3, 1)
-    return _dense(c).T * mpmath.matrix([1, 2, 3])
+    return _dense_weights(c).T * mpmath.matrix([1, 2, 3])
 
 
-def _missing(c: Any) -> Any:
-    """Coefficients of x to x^5 of what the collocation polynomial lacks, in three parts: with
-    M(x) of zeros c, the integrals of M, of (x - 1/2) M, and of the parabola that takes the values
-    of the first of them at c."""
+def _correction_terms(c: Any) -> Any:
+    """Coefficients of x to x^5 of three terms that the collocation polynomial lacks: with M(x) of
+    zeros c, the integrals of M, of (x - 1/2) M, and of the parabola that takes the values of the
+    first of them at c."""
     zeros = [-c[0] * c[1] * c[2], c[0] * c[1] + c[0] * c[2] + c[1] * c[2], -sum(c), mpmath.mpf(1)]
     turned = [(zeros[k - 1] if k else 0) - (zeros[k] / 2 if k < 4 else 0) for k in range(5)]
     first, second = ([part[k] / (k + 1) for k in range(len(part))] for part in (zeros, turned))

@@ -1,4 +1,4 @@
-"""Tangents of statements: how each quantity follows the state, in many directions at once.
+"""Tangents of statements: derivatives of each quantity along many directions of the state.
 
 Forward differentiation, statement by statement; the partial derivatives are SymPy's.
 """
@@ -17,7 +17,7 @@ ACTIVE = ("x0", "y0", "phi", "omega", "vx0", "vy0", "lambda_x", "lambda_y", "ten
 
 
 class Tangents:
-    """Adds the tangents of statements to the statements."""
+    """Differentiation of statements, which adds their tangents to them."""
 
     def __init__(self, statements: dict[str, Statement], elements: Elements):
         self._statements, self._elements = statements, elements
@@ -52,7 +52,7 @@ class Tangents:
             inner = self._with_directions(st.inner)
             self._statements[name] = Statement(name, CASES, domain, inside, ends, inner)
             return True
-        expr = self._of_root(st, fixed) or self._partial(st.expr, fixed)
+        expr = self._root_tangent(st, fixed) or self._partial(st.expr, fixed)
         if expr == 0:
             return False
         self._statements[name] = Statement(name, VALUE, domain, expr)
@@ -80,9 +80,9 @@ class Tangents:
             parts.append(expr.diff(symbol) * change)
         return Add(*parts)
 
-    def _of_root(self, st: Statement, fixed: frozenset[str]) -> Expr | None:
-        """Of a root that is replaced where it vanishes: by what stands there, so that nothing is
-        divided by zero."""
+    def _root_tangent(self, st: Statement, fixed: frozenset[str]) -> Expr | None:
+        """Tangent of a root that is replaced where it vanishes, divided by the replaced value,
+        which is not zero; None for other statements."""
         if not isinstance(st.expr, Piecewise) or len(st.expr.args) != 2:
             return None
         (root, _), (other, _) = st.expr.args

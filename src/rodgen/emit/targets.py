@@ -1,4 +1,4 @@
-"""Targets, and the parts of their modules that can be had without the rest.
+"""Targets of generation, and the parts of their modules that can be generated alone.
 
 Every folder beside this file is a target, known everywhere by the name of the folder.
 """
@@ -14,7 +14,7 @@ from pkgutil import iter_modules
 from typing import Any
 
 from rodgen.errors import InputError
-from rodgen.scene.structure import choose
+from rodgen.scene.structure import check_choice
 
 # The names that a part brings into the Python module; flow and newton are for compiled steps,
 # VARIATIONS for those of a state with its tangents, lanes are for those of many rods side by side.
@@ -53,7 +53,7 @@ FORMS = ("chain", "dense")
 
 @dataclass(frozen=True)
 class Target:
-    """What modules are written in: the object TARGET of a folder.
+    """A target of generation: the object TARGET of a folder.
 
     templates: by form, then by ending of the file, the Python module's first; parts: what it has
     besides COMMON; programs: from Functions, form and parts, its functions by name and what else
@@ -73,7 +73,7 @@ TARGETS = tuple(sorted(_FOLDERS, key=lambda name: (name != "numpy", name)))
 @cache
 def target_of(name: str) -> Target:
     """A target by its name. Raises InputError where there is none."""
-    choose("target", name, TARGETS)
+    check_choice("target", name, TARGETS)
     target: Target = import_module(f"rodgen.emit.{name}").TARGET
     return target
 
@@ -82,20 +82,22 @@ def check_output(target: str, form: str) -> None:
     """Raise InputError unless a module can be written for this target in this form."""
     forms = target_of(target).templates
     if form not in forms:
-        choose("form", form, FORMS)
+        check_choice("form", form, FORMS)
         allowed = f"{', '.join(forms)} for target {target} (target numpy has both)"
         raise InputError("form", form, allowed)
 
 
-def offered(target: str) -> tuple[str, ...]:
+def available_parts(target: str) -> tuple[str, ...]:
     """Parts that a target has."""
     return tuple(part for part in PARTS if part in (*target_of(target).parts, *COMMON))
 
 
-def closed(target: str, parts: Iterable[str] | None = None, steps: bool = False) -> tuple[str, ...]:
+def required_parts(
+    target: str, parts: Iterable[str] | None = None, steps: bool = False
+) -> tuple[str, ...]:
     """Parts with all that they need, in the order of PARTS; all but those of ASKED, if none are
     given. Raises InputError for a part that the target does not have."""
-    allowed = offered(target)
+    allowed = available_parts(target)
     wanted = {part for part in allowed if part not in ASKED} if parts is None else set(parts)
     for part in wanted:
         if part not in allowed:

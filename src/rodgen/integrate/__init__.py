@@ -1,6 +1,6 @@
-"""Callables to Solutions: methods, samples, events, work, storage."""
+"""Integration of scenes in time: methods, samples, events, work and result files."""
 
-from rodgen.integrate.methods.choose import Choice, choose
+from rodgen.integrate.methods.method_choice import Choice, choose
 from rodgen.integrate.simulate import resume, simulate
 from rodgen.integrate.solution import Interrupted, RunError, Solution
 from rodgen.integrate.trajectory import Event

@@ -1,4 +1,4 @@
-"""Crossings of many runs side by side: what is watched, and how the loops in C are told of it."""
+"""Crossings of levels in many runs side by side, and their arrays for the loops in C."""
 
 from __future__ import annotations
 
@@ -12,17 +12,17 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rodgen.arrays import Array
-from rodgen.native.many import NUMBER, WATCHED
+from rodgen.native.native_batch import NUMBER, WATCHED
 
 Terms = Mapping[int, float]  # rows, and their weights in a sum
 
 
 @dataclass(frozen=True)
 class Crossing:
-    """A number of a run passes a level: rising, falling or either, between two times [s].
+    """Crossing to look for: a number of a run passes a level between two times [s].
 
-    kept: numbers of which the values there are kept, of so many of the first crossings at most;
-    stop: the name of the event, if it ends the run.
+    direction: rising, falling or either; kept: numbers whose values there are kept, of the first
+    crossings, `most` at most; stop: name of the event, if it ends the run.
     """
 
     number: str
@@ -36,12 +36,12 @@ class Crossing:
 
     @property
     def width(self) -> int:
-        """How many numbers are kept of it: how many crossings there are, and each of them."""
+        """Length of its results for one rod: the count of crossings, and the numbers of each."""
         return 1 + self.most * (1 + len(self.kept))
 
 
-class Crossed(NamedTuple):
-    """counts: how many crossings there were, (rods,); t: when [s], (rods, most); values: of what is
+class CrossingResults(NamedTuple):
+    """Crossings found. counts: how many, (rods,); t: when [s], (rods, most); values: of what is
     kept of each, (rods, most, kept); not-a-number behind the last."""
 
     counts: NDArray[np.int64]
@@ -49,28 +49,28 @@ class Crossed(NamedTuple):
     values: Array
 
 
-class Sums:
-    """Weighed sums of rows, one after the other."""
+class WeightedSums:
+    """Weighted sums of rows, stored one after the other."""
 
     def __init__(self) -> None:
         self._rows: list[int] = []
         self._weights: list[float] = []
 
     def add(self, terms: Terms) -> tuple[int, int]:
-        """Where a sum begins, and how many terms it has."""
+        """Add a sum, and return where it begins and how many terms it has."""
         first = len(self._rows)
         self._rows += terms
         self._weights += terms.values()
         return first, len(terms)
 
     def arrays(self) -> tuple[NDArray[np.int64], Array]:
-        """The rows and the weights of all of them."""
+        """Rows and weights of all sums."""
         return np.array(self._rows, dtype=np.int64), np.array(self._weights, dtype=float)
 
 
 @dataclass(frozen=True)
-class Watched:
-    """Crossings as the loops know them."""
+class CrossingTable:
+    """Crossings as arrays for the loops in C."""
 
     crossings: tuple[Crossing, ...]
     table: NDArray[Any]
@@ -78,10 +78,14 @@ class Watched:
 
     @classmethod
     def of(
-        cls, crossings: Sequence[Crossing], terms: Mapping[str, Terms], known: int, sums: Sums
-    ) -> Watched:
-        """terms: of every number, by name; known: rows that are not observed; sums: to which those
-        of the numbers are added."""
+        cls,
+        crossings: Sequence[Crossing],
+        terms: Mapping[str, Terms],
+        known: int,
+        sums: WeightedSums,
+    ) -> CrossingTable:
+        """Encode crossings. terms: of every number, by name; known: how many rows are not observed;
+        sums: where the sums of the numbers are added."""
         table = np.zeros(len(crossings), WATCHED)
         numbers: list[tuple[int, int]] = []
         place = 0
@@ -100,18 +104,18 @@ class Watched:
 
     @cached_property
     def width(self) -> int:
-        """How many numbers are kept of the crossings of a rod."""
+        """Length of the results of all crossings for one rod."""
         return sum(one.width for one in self.crossings)
 
-    def found(self, rows: Array) -> Iterator[Crossed]:
-        """Crossings of many rods, from what the loops have written, (rods, width)."""
+    def decode(self, rows: Array) -> Iterator[CrossingResults]:
+        """Decode the crossings of many rods from what the loops have written, (rods, width)."""
         for place, one in zip(self.table["place"].tolist(), self.crossings, strict=True):
             counts = rows[:, place].astype(np.int64)
             each = rows[:, place + 1 : place + one.width]
             made = each.reshape(len(rows), one.most, 1 + len(one.kept)).copy()
             made[np.arange(one.most) >= counts[:, None]] = np.nan
-            yield Crossed(counts, made[..., 0], made[..., 1:])
+            yield CrossingResults(counts, made[..., 0], made[..., 1:])
 
-    def stop(self, number: int) -> str:
-        """The name of the event that has ended a run, by what its outcome tells."""
+    def stop_name(self, number: int) -> str:
+        """Name of the event that has ended a run, by the number in its outcome."""
         return self.crossings[number - 1].stop

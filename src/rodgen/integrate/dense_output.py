@@ -1,4 +1,4 @@
-"""States between the samples of a run: integrated anew, from the sample before."""
+"""Dense output of a run: states between its samples, integrated anew from the sample before."""
 
 from __future__ import annotations
 
@@ -9,25 +9,25 @@ from numpy.typing import NDArray
 
 from rodgen.arrays import Array
 from rodgen.errors import InputError
-from rodgen.integrate.catalogue import loads_at_work
-from rodgen.integrate.endings import FINISHED
-from rodgen.integrate.events import Watch
-from rodgen.integrate.methods.choose import LEAST_NEWTON, choose, machine
-from rodgen.integrate.samples import Recorder
+from rodgen.integrate.events import EventDetector
+from rodgen.integrate.methods.method_choice import LEAST_NEWTON, choose, make_integrator
+from rodgen.integrate.quantity_formulas import loads_at_work
+from rodgen.integrate.recorder import Recorder
+from rodgen.integrate.run_status import FINISHED
 from rodgen.integrate.stepper import StepError
-from rodgen.integrate.stretches import STRIDE, Stretches, inside, window
+from rodgen.integrate.stretches import STRIDE, Stretches, evaluation_bounds, with_span
 from rodgen.integrate.trajectory import Trajectory
-from rodgen.scene.integration import AUTO, Integrate
+from rodgen.scene.integration import AUTO, IntegrationTable
 
 SHARE = 0.1  # of the tolerance
 
 
 class DenseOutput:
-    """The run of a trajectory from any of its samples to the next, by its method and tolerance.
+    """Dense output of a trajectory, by integrating it anew from any of its samples to the next.
 
-    So the error is that of the run, whatever the spacing of the samples, and there is nothing to
-    keep of its steps. share: of the tolerance of the run, that of its repetition. first, last: from
-    when to when [s] it can be asked; settings: how it steps.
+    Method and tolerance are those of the run, so that the error is too, whatever the spacing of the
+    samples, and none of its steps need be kept. share: of the tolerance of the run, that of the
+    repetition. first, last: bounds of its times [s]; settings: of the repetition.
     """
 
     def __init__(self, trajectory: Trajectory, share: float = SHARE):
@@ -35,19 +35,19 @@ class DenseOutput:
         if trajectory.changes is not None:
             allowed = "of a run whose values were not changed while it went on"
             raise InputError("solution", trajectory, allowed)
-        self.t, self.y = _known(trajectory)
-        self.first, self.last = _reach(trajectory, self.t)
-        scene = window(trajectory.scene, self.first, self.last)
+        self.t, self.y = _known_states(trajectory)
+        self.first, self.last = _time_bounds(trajectory, self.t)
+        scene = with_span(trajectory.scene, self.first, self.last)
         if scene.integrate.method == AUTO:  # of a run without an end
             scene = scene.with_integrate(method=choose(scene, self._model).method)
-        self.settings = _tightened(scene.integrate, share)
-        stretches = Stretches.of(scene.course, scene.integrate.fixed)
+        self.settings = _tighten(scene.integrate, share)
+        stretches = Stretches.of(scene.time_functions, scene.integrate.has_fixed_step)
         self._swing, self._ends = stretches.swing, np.array(stretches.ends)
-        self._switches = () if scene.integrate.fixed else scene.course.switches()
+        self._switches = () if scene.integrate.has_fixed_step else scene.time_functions.switches()
         self._p = trajectory.system.p
         self._works = loads_at_work(self._model)
 
-    def at(self, times: NDArray[Any]) -> Array:
+    def states_at(self, times: NDArray[Any]) -> Array:
         """States (K, states) at times (K,) [s], in any order.
 
         Raises InputError for times that the run does not reach, StepError where a step fails.
@@ -61,48 +61,48 @@ class DenseOutput:
         before = np.searchsorted(self.t, asked, side="right") - 1
         for sample in np.unique(before):
             here = before == sample
-            states[here] = self._from(int(sample), asked[here])
+            states[here] = self._states_from(int(sample), asked[here])
         return states[place]
 
-    def _from(self, sample: int, times: Array) -> Array:
-        """States at times, ascending, from one sample on up to the next."""
+    def _states_from(self, sample: int, times: Array) -> Array:
+        """States at ascending times from one sample on up to the next."""
         t, y = float(self.t[sample]), self.y[sample]
         states = np.empty((len(times), len(y)))
         known = int(times[0] == t)
         states[:known] = y
         if known < len(times):
-            states[known:] = self.after(t, y, times[known:])
+            states[known:] = self.integrate_from(t, y, times[known:])
         return states
 
-    def after(self, t: float, y: Array, times: Array) -> Array:
-        """States (K, states) at times (K,) [s], ascending, of the motion that is in a state y at a
-        time t [s] before them. Events are not looked for. Raises StepError."""
+    def integrate_from(self, t: float, y: Array, times: Array) -> Array:
+        """Integrate from a state y at time t [s], and return the states (K, states) at later times
+        (K,) [s], ascending. Events are not looked for. Raises StepError."""
         last = float(times[-1])
         met = self._ends[(self._ends > t) & (self._ends < last)]
         try:
             with np.errstate(all="ignore"):
-                run = machine(self._model, self._p, self.settings, t, y.copy())
+                run = make_integrator(self._model, self._p, self.settings, t, y.copy())
                 recorder = Recorder(times, len(y), self._works)
-                watch = Watch([], self._model, self._p, self._switches)
+                watch = EventDetector([], self._model, self._p, self._switches)
                 for end in [*map(float, met), last]:
-                    run.begin(end, *inside(run.t, end), self._swing)
+                    run.begin(end, *evaluation_bounds(run.t, end), self._swing)
                     while not run.advance(recorder, watch, STRIDE):
-                        if run.counts.nsteps > self.settings.budget:
+                        if run.counts.nsteps > self.settings.step_limit:
                             raise StepError("the budget of steps is used up")
         except (StepError, OverflowError) as error:
             message = f"no states between samples after t = {t:.9g} s: {error}"
             raise StepError(message) from None
-        return recorder.kept()[1]
+        return recorder.in_memory()[1]
 
 
-def _tightened(settings: Integrate, share: float) -> Integrate:
-    """A method that begins anew adds its error to that of the sample: it is to be the smaller."""
+def _tighten(settings: IntegrationTable, share: float) -> IntegrationTable:
+    """Tighten tolerances: a repetition adds its error to the sample's, and is to be small."""
     rtol = min(settings.rtol, max(share * settings.rtol, LEAST_NEWTON))
     return settings.model_copy(update={"rtol": rtol, "atol": share * settings.atol})
 
 
-def _known(trajectory: Trajectory) -> tuple[Array, Array]:
-    """The samples, and the start of the run where it comes before the first of them."""
+def _known_states(trajectory: Trajectory) -> tuple[Array, Array]:
+    """Times and states of the samples, and of the start of the run where it is none of them."""
     start = trajectory.scene.integrate.span[0]
     if trajectory.scene.integrate.t_eval is None or (
         len(trajectory.t) and trajectory.t[0] == start
@@ -112,8 +112,8 @@ def _known(trajectory: Trajectory) -> tuple[Array, Array]:
     return np.append(start, trajectory.t), np.concatenate((y0[None], trajectory.y))
 
 
-def _reach(trajectory: Trajectory, t: Array) -> tuple[float, float]:
-    """From when to when the run has been; t: times at which its state is known."""
+def _time_bounds(trajectory: Trajectory, t: Array) -> tuple[float, float]:
+    """Bounds of the time that the run has covered [s]; t: times at which its state is known."""
     if not len(t):
         raise InputError("solution", trajectory, "one with samples")
     settings = trajectory.scene.integrate

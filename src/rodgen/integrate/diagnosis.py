@@ -1,5 +1,4 @@
-"""What is said of a run: what it is warned of before its first step, what stopped it, and what to
-try."""
+"""Doubts about a run before its first step, why it stopped, and advice."""
 
 from __future__ import annotations
 
@@ -10,19 +9,19 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rodgen.arrays import Array
-from rodgen.errors import short
-from rodgen.integrate.machine import Machine
-from rodgen.integrate.methods.choose import tolerance_doubt
+from rodgen.errors import shorten
+from rodgen.integrate.integrator import Integrator
+from rodgen.integrate.methods.method_choice import tolerance_doubt
 from rodgen.integrate.stability import step_doubt
 from rodgen.integrate.stretches import Pole
 from rodgen.model.methods import COLLOCATION
 from rodgen.model.terms import TERMS
 from rodgen.result import Note, doubt
 from rodgen.scene import Scene
-from rodgen.scene.course import MOST_FRONTS
-from rodgen.scene.integration import Integrate
+from rodgen.scene.integration import IntegrationTable
+from rodgen.scene.time_laws import MOST_FRONTS
 from rodgen.system import System
-from rodgen.system.doubts import doubt_counts as of_angles
+from rodgen.system.plausibility import count_doubts as of_angles
 
 PULSE = 4  # steps that a pulse takes at least to be felt
 SEMI_IMPLICIT = "semi_implicit_euler"
@@ -33,59 +32,59 @@ NEAR = 1e-3  # share of the way to a pole within which it is what stops a run
 
 
 def step_doubts(system: System, model: ModuleType) -> tuple[Note, ...]:
-    """Return what is doubtful about the steps of a run before the first: their length or tolerance,
+    """Return the doubts about the steps of a run before the first: about their length or tolerance,
     and thrust whose table is shorter than the span; its method is chosen."""
-    return tuple(_of_steps(system, model))
+    return tuple(_find_doubts(system, model))
 
 
 def doubt_counts(system: System, model: ModuleType, p: Array, y0: Array) -> NDArray[np.intp]:
-    """Return how many doubts there are about each of many runs: p (runs, width), y0 (runs, states);
-    steps and tolerance are looked at for one of them, system."""
-    same = len(system.unused) + sum(1 for _ in _of_steps(system, model))
+    """Count the doubts about each of many runs: p (runs, width), y0 (runs, states); steps and
+    tolerance are looked at for one of them, system."""
+    same = len(system.unused_names) + sum(1 for _ in _find_doubts(system, model))
     return of_angles(system.structure, p, y0) + same
 
 
-def _of_steps(system: System, model: ModuleType) -> Iterator[Note]:
+def _find_doubts(system: System, model: ModuleType) -> Iterator[Note]:
     settings = system.settings
-    yield from _held(system)
-    for load in system.course.loads:
-        if not load.followed(*settings.span):
+    yield from _table_doubts(system)
+    for load in system.time_functions.loads:
+        if not load.is_resolvable(*settings.span):
             yield doubt(
-                f"{load.field} = {short(load.text)}: changes more often in the span than can be "
+                f"{load.field} = {shorten(load.text)}: changes more often in the span than can be "
                 "looked at, and may be taken for another load; give it a shorter span"
             )
-    for law in system.course.crowded():
+    for law in system.time_functions.crowded_expressions():
         yield doubt(
-            f"{law.field} = {short(law.text)}: it is not smooth at places that pass more points of "
-            f"the links than the {MOST_FRONTS} times that steps end at; they are passed over, and "
-            "digits are lost there: give it a shorter span, or tighten rtol",
+            f"{law.field} = {shorten(law.text)}: it is not smooth at places that pass more points "
+            f"of the links than the {MOST_FRONTS} times that steps end at; they are passed over, "
+            "and digits are lost there: give it a shorter span, or tighten rtol",
             most=MOST_FRONTS,
         )
     drifts = drift_doubt(system)
     if drifts is not None:
         yield drifts
-    if not settings.fixed and (loose := tolerance_doubt(system, model)) is not None:
+    if not settings.has_fixed_step and (loose := tolerance_doubt(system, model)) is not None:
         yield loose
-    if settings.step is None or not settings.fixed:
+    if settings.step is None or not settings.has_fixed_step:
         return
     (start, end), y0 = settings.span, system.y0
     long = step_doubt(settings.method, settings.step, end - start, model, start, y0, system.p)
     if long is not None:
         yield long
-    yield from _passed_over(system, settings.step)
-    half = system.course.swing()
+    yield from _pulse_doubts(system, settings.step)
+    half = system.time_functions.half_period()
     if 2 * half < SWING * settings.step:
         words = f"a load swings with a period of {2 * half:.2g} s, for which the step of "
         words += f"{settings.step:g} s is too long; take a smaller step, or dop853"
         yield doubt(words, period=2 * half, step=settings.step)
 
 
-def _held(system: System) -> Iterator[Note]:
-    """Of thrusts that keep the first value of a table before it begins, or the last for good."""
+def _table_doubts(system: System) -> Iterator[Note]:
+    """Doubts about thrusts that keep the first value of a table before it, or the last after it."""
     start, end = system.settings.span
-    tables = {name: law for name, law in system.timed.items() if law.tabulated}
+    tables = {name: law for name, law in system.time_laws.items() if law.has_table}
     loads = map(TERMS.__getitem__, system.load_terms if tables else ())
-    thrusts = {one.name for term in loads if term.follows for one in term.sizes}
+    thrusts = {one.name for term in loads if term.follows for one in term.size_parameters}
     for name in sorted(thrusts & tables.keys()):
         thrust = tables[name]
         knots = thrust.knots()
@@ -98,16 +97,18 @@ def _held(system: System) -> Iterator[Note]:
             value = float(thrust(beyond))
             if at != beyond and value and value == float(thrust((at + beyond) / 2)):
                 low, high = sorted((at, beyond))
-                words = f"{system.field(name)} = {short(thrust.text)}: the table has no value from "
+                words = (
+                    f"{system.key_of(name)} = {shorten(thrust.text)}: the table has no value from "
+                )
                 words += f"{low:g} to {high:g} s, where the thrust keeps {value:g} N"
                 yield doubt(words, start=low, end=high, force=value)
 
 
 def drift_doubt(system: System) -> Note | None:
-    """Return that a method will not keep the energy of a scene in which nothing is damped, or
+    """Return the doubt whether a method keeps the energy of a scene in which nothing is damped, or
     None."""
     settings = system.settings
-    if settings.method != SEMI_IMPLICIT or any(TERMS[one].damps for one in system.load_terms):
+    if settings.method != SEMI_IMPLICIT or any(TERMS[one].is_damping for one in system.load_terms):
         return None
     assert settings.step is not None
     steps = (settings.span[1] - settings.span[0]) / settings.step
@@ -121,11 +122,11 @@ def drift_doubt(system: System) -> Note | None:
     return doubt(words, steps=steps)
 
 
-def _passed_over(system: System, step: float) -> Iterator[Note]:
-    """The first pulse of a load that is too short for a fixed step [s]."""
-    course = system.course
+def _pulse_doubts(system: System, step: float) -> Iterator[Note]:
+    """Doubt about the first pulse of a load that is too short for a fixed step [s]."""
+    course = system.time_functions
     breaks = course.breaks()
-    for begin, peak, over in () if course.pole() else course.pulses():
+    for begin, peak, over in () if course.first_pole() else course.pulses():
         met = any(begin <= at <= over for at in breaks)  # and stepped onto
         if begin < peak < over < begin + PULSE * step and not met:
             words = f"a load changes within {over - begin:.2g} s at t = {begin:.6g} s, for which "
@@ -134,39 +135,39 @@ def _passed_over(system: System, step: float) -> Iterator[Note]:
             return
 
 
-def failure(error: ArithmeticError, scene: Scene, machine: Machine, pole: Pole) -> str:
-    """What stopped a run, where, why, and what to try; scene: with the span that it was in."""
-    why = _cause(scene, machine, pole)
+def failure_message(error: ArithmeticError, scene: Scene, machine: Integrator, pole: Pole) -> str:
+    """Message of a stopped run: where, why, and what to try; scene: with the span it was in."""
+    why = _load_clause(scene, machine, pole)
     tip = advice(str(error), scene.integrate, bool(why))
-    why = why or _turned(scene, machine)
+    why = why or _angle_clause(scene, machine)
     return f"stopped at t = {machine.t:.9g} s: {error}{why}; {tip}"
 
 
-def _cause(scene: Scene, machine: Machine, pole: Pole) -> str:
-    """The load, if any, that is not finite where a run stopped, and when."""
-    asked = machine.asked
-    for force in scene.course.loads:
+def _load_clause(scene: Scene, machine: Integrator, pole: Pole) -> str:
+    """Clause on the load that is not finite where a run stopped, and when; else empty."""
+    asked = machine.load_times
+    for force in scene.time_functions.loads:
         broken = [at for at in asked if not np.isfinite(force(at))]
         if broken:
-            return f"; {force.not_finite(min(broken))} s"
+            return f"; {force.not_finite_message(min(broken))} s"
     if pole:
         at, force = pole
         near = at - machine.t <= NEAR * (at - scene.integrate.span[0])
         if near or max(asked, default=at) >= at:
-            return f"; {force.not_finite(at)} s"
+            return f"; {force.not_finite_message(at)} s"
     return ""
 
 
-def _turned(scene: Scene, machine: Machine) -> str:
-    """Whether it is an angle of so many turns that it has no sine."""
+def _angle_clause(scene: Scene, machine: Integrator) -> str:
+    """Clause on an angle of so many turns that it has no sine; else empty."""
     half = (len(machine.y) - len(scene.states)) // 2
-    angles = machine.y[2 * scene.hold.translates : half]
+    angles = machine.y[2 * scene.boundary_condition.translates : half]
     beyond = np.abs(angles).max(initial=0.0) > MOST_TURNED
     return f"; an angle is beyond {MOST_TURNED:g} rad, where it has no sine" if beyond else ""
 
 
-def advice(reason: str, settings: Integrate, load: bool) -> str:
-    """What to try, for a reason why a run stopped; load: a load was the cause."""
+def advice(reason: str, settings: IntegrationTable, load: bool) -> str:
+    """Advice for a reason why a run stopped; load: a load was the cause."""
     if "chatters" in reason:
         return "give the law a slope there, as of max(-1, min(1, x/0.01)), or a hysteresis"
     if load:
@@ -174,7 +175,7 @@ def advice(reason: str, settings: Integrate, load: bool) -> str:
     if "budget" in reason:
         other = "dop853" if settings.method in COLLOCATION else "radau or gauss"
         return f"raise max_steps, loosen the tolerance, or try {other}; the motion may be growing"
-    if settings.fixed:
+    if settings.has_fixed_step:
         return (
             "try a smaller step, or a method with error control (auto); if it stops there too, the "
             "motion itself grows without bound"

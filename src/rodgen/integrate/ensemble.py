@@ -1,4 +1,4 @@
-"""What came out of many runs."""
+"""Result of many runs."""
 
 from __future__ import annotations
 
@@ -9,9 +9,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rodgen.arrays import Array
-from rodgen.integrate.crossings import Crossed
-from rodgen.integrate.endings import FINISHED
-from rodgen.result import Result, Row, hidden
+from rodgen.integrate.crossings import CrossingResults
+from rodgen.integrate.run_status import FINISHED
+from rodgen.result import Result, Row, omit_from_tables
 
 
 @dataclass(repr=False)
@@ -50,48 +50,52 @@ class Ensemble(Result):
     rejected: NDArray[np.int64]
     nfev: NDArray[np.int64]
     energy_error: Array
-    crossed: tuple[Crossed, ...] = ()
+    crossed: tuple[CrossingResults, ...] = ()
     traces: Array | None = None
     samples: Array | None = None
 
     ROWS = (
         Row("runs", "runs", of=len),
-        Row("failed", "failed"),
-        Row("kept", "quantity", along="kept", of=lambda found: [*found.reduced]),
+        Row("failures", "failed runs"),
+        Row("kept", "quantity", along="kept", of=lambda found: [*found.finished_values]),
         Row("least", "least", format=".6g", along="kept"),
         Row("largest", "largest", format=".6g", along="kept"),
-        Row("t", "times that the runs reached", "s", text=hidden),
-        Row("values", "values", text=hidden),
-        Row("status", "status", text=hidden),
-        Row("message", "messages", text=hidden),
-        Row("energy_error", "errors of the energy balance", "J", text=hidden),
-        Row("work", "work of {} until the end", "J", text=hidden),
-        Row("nsteps", "steps", text=hidden),
-        Row("rejected", "rejected steps", text=hidden),
-        Row("nfev", "evaluations of the rates", text=hidden),
-        Row("y", "states at the end", text=hidden),
+        Row("t", "times that the runs reached", "s", text=omit_from_tables),
+        Row("values", "values", text=omit_from_tables),
+        Row("status", "status", text=omit_from_tables),
+        Row("message", "messages", text=omit_from_tables),
+        Row("energy_error", "errors of the energy balance", "J", text=omit_from_tables),
+        Row("work", "work of {} until the end", "J", text=omit_from_tables),
+        Row("nsteps", "steps", text=omit_from_tables),
+        Row("rejected", "rejected steps", text=omit_from_tables),
+        Row("nfev", "evaluations of the rates", text=omit_from_tables),
+        Row("y", "states at the end", text=omit_from_tables),
     )
 
     @property
-    def failed(self) -> int:
-        """How many runs did not finish."""
+    def failures(self) -> int:
+        """Number of runs that did not finish."""
         return int((self.status != FINISHED).sum())
 
     @property
-    def reduced(self) -> dict[str, Array]:
+    def finished_values(self) -> dict[str, Array]:
         """Times and reductions of the runs that finished, by text, in SI units."""
         fine = self.status == FINISHED
         return {name: values[fine] for name, values in {"t": self.t, **self.values}.items()}
 
     @property
     def least(self) -> list[float]:
-        """The least of each, in SI units, not-a-number where no run finished."""
-        return [float(np.min(one)) if len(one) else math.nan for one in self.reduced.values()]
+        """Least of the times and each reduction, in SI units, not-a-number if no run finished."""
+        return [
+            float(np.min(one)) if len(one) else math.nan for one in self.finished_values.values()
+        ]
 
     @property
     def largest(self) -> list[float]:
-        """The largest of each, in SI units."""
-        return [float(np.max(one)) if len(one) else math.nan for one in self.reduced.values()]
+        """Largest of the times and each reduction, in SI units, not-a-number if no run finished."""
+        return [
+            float(np.max(one)) if len(one) else math.nan for one in self.finished_values.values()
+        ]
 
     def __len__(self) -> int:
         return len(self.t)
@@ -101,7 +105,7 @@ class Ensemble(Result):
         return self.values[text]
 
     def trace(self, rod: int, number: int) -> tuple[Array, Array]:
-        """Times [s] and values, in SI units, of a quantity that was traced.
+        """Times [s] and values, in SI units, of a traced quantity in one run.
 
         rod: its number; number: that of the quantity among those traced.
         """
@@ -115,4 +119,4 @@ class Ensemble(Result):
 
     def __repr__(self) -> str:
         kept = f"; {', '.join(self.values)}" if self.values else ""
-        return f"<Ensemble of {len(self)} runs, {self.failed} failed{kept}>"
+        return f"<Ensemble of {len(self)} runs, {self.failures} failed{kept}>"

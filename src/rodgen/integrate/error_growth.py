@@ -1,4 +1,4 @@
-"""How fast errors grow: a neighbouring motion beside that of a run, brought back again and again.
+"""Growth of small errors in a run: a neighbouring motion beside it is brought back again and again.
 
 G. Benettin, L. Galgani, A. Giorgilli, J.-M. Strelcyn, Meccanica 15 (1980) 9-20.
 """
@@ -13,7 +13,7 @@ from rodgen.arrays import Array
 from rodgen.integrate.dense_output import DenseOutput
 from rodgen.integrate.stepper import StepError
 from rodgen.integrate.trajectory import ErrorGrowth, Trajectory
-from rodgen.scene.integration import Integrate
+from rodgen.scene.integration import IntegrationTable
 
 SHARE = 0.01  # of the run's tolerance, that of both motions
 ABOVE = 1e3  # times that tolerance: what sets them apart is not the error of their steps
@@ -32,38 +32,41 @@ UNKNOWN = ErrorGrowth(math.nan, math.nan, math.nan)
 
 
 def error_growth(trajectory: Trajectory) -> ErrorGrowth:
-    """How fast small errors grow in the motion of a run, from its start to its last state.
+    """Find how fast small errors grow in the motion of a run, from its start to its last state.
 
-    Two motions by the method of the run, with a hundredth of its tolerance or with its fixed step,
-    so that it costs some three to six times the run. Events are not looked for: none but the end of
-    the run changes the motion. Not a number where a step of them fails. Raises InputError for a run
+    Two motions are followed by the method of the run, with a hundredth of its tolerance or with its
+    fixed step, which costs some three to six times the run. Events are not looked for: none but the
+    end of the run changes the motion. Not-a-number where a step fails. Raises InputError for a run
     that was changed while it went on, or has no samples.
     """
     run, settings = DenseOutput(trajectory, SHARE), trajectory.scene.integrate
-    seen = math.inf if settings.fixed else visible(settings.rtol) / settings.rtol
+    seen = math.inf if settings.has_fixed_step else visible_error(settings.rtol) / settings.rtol
     try:
-        base, added = 2 * trajectory.scene.hold.translates, len(trajectory.scene.states)
+        base, added = (
+            2 * trajectory.scene.boundary_condition.translates,
+            len(trajectory.scene.states),
+        )
         angles = slice(base, (run.y.shape[1] - added) // 2)
-        return _grown(run, angles, math.log(seen))
+        return _follow_neighbour(run, angles, math.log(seen))
     except StepError:
         return UNKNOWN
 
 
-def visible(rtol: float) -> float:
-    """Error [rad] from which on it counts as seen in a run with a tolerance."""
+def visible_error(rtol: float) -> float:
+    """Error [rad] from which on it counts as seen in a run with this tolerance."""
     return max(VISIBLE, EXPECTED * rtol)
 
 
-def _grown(run: DenseOutput, angles: slice, seen: float) -> ErrorGrowth:
-    """angles: which of the states are; seen: logarithm of the factor from which on errors are."""
+def _follow_neighbour(run: DenseOutput, angles: slice, seen: float) -> ErrorGrowth:
+    """Follow both motions; angles: which states are; seen: logarithm of a visible factor."""
     at, y = run.first, run.y[0]
-    near, least = _near(run.settings), SHORTEST * (run.last - at)
+    near, least = _initial_distance(run.settings), SHORTEST * (run.last - at)
     off = start = _disturbance(len(y), angles, near)
     piece = (run.last - at) / PIECES
     grown, most, when = 0.0, 0.0, math.inf  # logarithms, and a time
     while run.last - at > least:
         times = np.linspace(at, min(at + piece, run.last), LOOKS + 1)[1:]
-        here, there = (run.after(at, state, times) for state in (y, y + off))
+        here, there = (run.integrate_from(at, state, times) for state in (y, y + off))
         apart = np.linalg.norm((there - here)[:, angles], axis=1)
         largest = apart.max()
         if largest > FAR and piece > least:
@@ -83,17 +86,17 @@ def _grown(run: DenseOutput, angles: slice, seen: float) -> ErrorGrowth:
     return ErrorGrowth(factor, tenfold, when)
 
 
-def _near(settings: Integrate) -> float:
-    """How far the neighbour is at first [rad]."""
+def _initial_distance(settings: IntegrationTable) -> float:
+    """Initial distance of the neighbour [rad]."""
     least, largest = NEAR
-    if settings.fixed:  # both make the same errors
+    if settings.has_fixed_step:  # both make the same errors
         return least
     return min(largest, max(least, ABOVE * max(settings.rtol, settings.atol)))
 
 
 def _disturbance(states: int, angles: slice, size: float) -> Array:
-    """One of the angles, (states,), of this norm [rad]: half smooth along the rod, half rough, as
-    either may be what grows."""
+    """Disturbance of the angles, (states,), of this norm [rad]: half smooth along the rod, half
+    rough, as either may be what grows."""
     links = angles.stop - angles.start
     random = np.random.default_rng(1)
     s = (np.arange(links) + 0.5) / links

@@ -1,4 +1,4 @@
-"""Where a state or a derived quantity crosses a value: seen between step ends, then located.
+"""Detection of events: a state or a derived quantity crosses a value.
 
 A step ends far from where the crossing is. So the run hands over blocks of step ends, `crossings`
 finds the steps in which something crosses, and `locate` finds the time along the dense output of
@@ -19,16 +19,18 @@ from numpy.typing import NDArray
 from scipy.optimize import brentq
 
 from rodgen.arrays import Array
-from rodgen.integrate.catalogue import Piece
+from rodgen.integrate.quantity_formulas import MotionSlice
 from rodgen.integrate.stepper import ChatterError, Interpolant
-from rodgen.loading.module import structure_of
-from rodgen.model.quantities import place
-from rodgen.scene.course import BENDS, Switch
-from rodgen.scene.event import Event
+from rodgen.loading.generated_module import structure_of
+from rodgen.model.quantities import find_quantity
+from rodgen.scene.event import EventTable
+from rodgen.scene.time_laws import BENDS, Switch
 
 STATES, SIGNALS = "", "signals"  # in place of a quantity: the state itself, what laws follow
 # What laws of the motion switch at, in place of an event.
-SWITCHING = Event.model_construct(quantity="", value=0.0, direction="either", action="", name="")
+SWITCHING = EventTable.model_construct(
+    quantity="", value=0.0, direction="either", action="", name=""
+)
 SENSES = {"rising": (-1,), "falling": (1,), "either": (-1, 1)}  # signs before the crossing
 BETWEEN = np.arange(1, 8)[:, None] / 8  # of a step: binary fractions
 # Cubic through two states and their rates, as their difference and h f at either end.
@@ -51,8 +53,8 @@ Signs = NDArray[np.bool_]
 Found = tuple[int, int, tuple[float, float]]
 
 
-class Watch:
-    """The events of a scene along its run, and behind them where its laws of the motion switch.
+class EventDetector:
+    """Detector of events of a scene along its run and, numbered after them, of switches of laws.
 
     A quantity crosses its value when it reaches it: rising from below to at least the value,
     falling from above to at most the value. To leave the value is no crossing, so one that starts
@@ -63,7 +65,7 @@ class Watch:
 
     def __init__(
         self,
-        events: Sequence[Event],
+        events: Sequence[EventTable],
         model: ModuleType,
         p: Array,
         switches: Sequence[Switch] = (),
@@ -82,35 +84,35 @@ class Watch:
         self.happened: list[tuple[int, float, Array]] = []
 
     @cached_property
-    def _follows(self) -> bool:
+    def _has_feedback(self) -> bool:
         """Whether the module has sensors or loads that follow the motion."""
-        return structure_of(self.model).follows
+        return structure_of(self.model).has_feedback
 
-    def switching(self, number: int) -> bool:
-        """Whether what has a number is where a law switches, not an event of the scene."""
+    def is_switch(self, number: int) -> bool:
+        """Whether a number is that of a switch of a law, not of an event of the scene."""
         return number >= self._first
 
     def cause(self, number: int) -> str:
-        """The law that switches by what has a number, and where, if it may jump there."""
-        return self._switches[self._places[number][1][0]].cause if self.switching(number) else ""
+        """Law that switches at this number, and where, if it may jump there; else empty."""
+        return self._switches[self._places[number][1][0]].cause if self.is_switch(number) else ""
 
-    def in_order(self, located: Iterable[tuple[float, int]]) -> list[tuple[float, int]]:
-        """Times and numbers of those that are there (not not-a-number), by time; at one and the
-        same time, those that end the run last."""
+    def sort_events(self, located: Iterable[tuple[float, int]]) -> list[tuple[float, int]]:
+        """Sort times and numbers by time, without those that are not-a-number; at one and the same
+        time, those that end the run come last."""
         there = [pair for pair in located if not math.isnan(pair[0])]
         return sorted(there, key=lambda pair: (pair[0], self.events[pair[1]].action == "stop"))
 
-    def happens(self, number: int, t: float, y: Array) -> bool:
+    def record_event(self, number: int, t: float, y: Array) -> bool:
         """Keep an event at time t [s] in state y (S,); True if it ends the run."""
         self.happened.append((number, t, y.copy()))
         return self.events[number].action == "stop"
 
     def _place(self, name: str) -> tuple[str, Any]:
-        """The quantity of the catalogue that has a number of this name, or the state, and where in
-        its last axes."""
+        """Quantity that a number of this name belongs to, or the state, and the index in its last
+        axes."""
         if name in self.model.STATE:
             return STATES, (..., self.model.STATE.index(name))
-        quantity, at = place(name)
+        quantity, at = find_quantity(name)
         return quantity.name, (..., *at)
 
     def values(self, y: Array, t: Array | None = None) -> Array:
@@ -120,23 +122,23 @@ class Watch:
 
     def _values(self, y: Array, t: Array | None, numbers: Iterable[int]) -> Array:
         values = np.empty((*y.shape[:-1], len(self.events)))
-        motion, switches = Piece(self.model, self.p, y, t), dict[int, Array]()
+        motion, switches = MotionSlice(self.model, self.p, y, t), dict[int, Array]()
         if self._switches:
-            motion.follows = self._follows
+            motion.has_feedback = self._has_feedback
         with np.errstate(all="ignore"):  # of a state that is not finite
             for number in numbers:
                 name, at = self._places[number]
                 if name == SIGNALS:
                     switch, column = at
                     if switch not in switches:
-                        switches[switch] = self._switched(motion, switch)
+                        switches[switch] = self._switch_values(motion, switch)
                     values[..., number] = switches[switch][..., column]
                 else:
                     values[..., number] = (y if name == STATES else motion.values(name))[at]
         return values
 
-    def _switched(self, motion: Piece, switch: int) -> Array:
-        """What a law switches by, (..., count)."""
+    def _switch_values(self, motion: MotionSlice, switch: int) -> Array:
+        """Values whose zeros are the switches of a law, (..., count)."""
         known = motion.values(SIGNALS) | {BENDS: motion.values(BENDS)}
         found: Array = self._switches[switch].law(motion.t, known)
         return found
@@ -144,7 +146,7 @@ class Watch:
     def crossings(
         self, t: Array, y: Array, f: Array | None = None, on: Collection[int] = ()
     ) -> list[Found]:
-        """Steps in which an event happens: (k, number of the event, (t_low, t_high)), by time.
+        """Find steps in which an event happens: (k, number of the event, (t_low, t_high)), by time.
 
         t (K,), y (K, S): step ends, the first of a block being the last of the block before;
         f (K, S): their rates. The crossing lies between rows k and k + 1, and (t_low, t_high) is
@@ -155,8 +157,8 @@ class Watch:
         points inside the step, of the cubic through its ends with their rates. Not seen are pairs
         of crossings (there and back) that fall between two of these points, an eighth of the step
         apart, and pairs so shallow that the cubic, off by the fourth power of the step, does not
-        have them. What only the cubic has, `locate` tells. Without f no pair within a step is
-        seen. on: numbers of those whose value the first row is on, but for rounding.
+        have them. `locate` tells what only the cubic has. Without f no pair within a step is seen.
+        on: numbers of events whose value the first row is on, but for rounding.
         """
         if len(t) < 2 or not self.events:
             return []
@@ -185,7 +187,7 @@ class Watch:
         return np.where(np.isfinite(inside), inside, ends[:-1])
 
     def _brackets(self, t: Array, g: Array, crossed: Signs) -> list[Found]:
-        """Steps with crossings, cut between these where there are several."""
+        """Bracket the crossings in each step, cut between them where there are several."""
         points = g.shape[1] - 1
         found = []
         for k, number in np.argwhere(crossed.any(axis=1)).tolist():
@@ -204,10 +206,10 @@ class Watch:
     def first_switch(
         self, numbers: Iterable[tuple[int, tuple[float, float]]], start: float, at: Interpolant
     ) -> tuple[float, dict[int, float]] | None:
-        """Just before a law switches first in a step, and the numbers of all that do so then, each
-        with the sign that it has before; numbers: what crosses in the step, each with its bracket;
-        start: of the step [s]; at: as in `locate`. None where nothing does, or next to the start
-        alone."""
+        """Time just before the first switch of a law in a step, and the numbers of all that switch
+        then, each with its sign before. numbers: what crosses in the step, each with its bracket;
+        start: of the step [s]; at: as in `locate`. None where nothing switches, or next to the
+        start alone."""
         located = [(self.locate(number, *span, at), number) for number, span in numbers]
         least = start + NEXT * float(np.spacing(abs(start)))
         times = [when for when, _ in located if when > least]
@@ -221,10 +223,12 @@ class Watch:
         early = first - max(beside, EARLY * (first - start))
         return max(early, min(least, first)), found
 
-    def short_of(self, sides: Mapping[int, float], t: float, y: Array, f: Array, h: float) -> float:
-        """Time [s] that a run at t, with rates f, is still to go until laws of these numbers have
-        switched; sides: signs before they did; h: the last step. 0 where they have, or where the
-        motion turns back."""
+    def time_to_switch(
+        self, sides: Mapping[int, float], t: float, y: Array, f: Array, h: float
+    ) -> float:
+        """Time [s] after t, where the rates are f, until laws of these numbers have switched;
+        sides: their signs before; h: the last step. 0 where they have switched, or where the motion
+        turns back."""
         on = STEP * h
         here = self.values(np.stack((y, y + on * f)), np.array([t, t + on]))
         most = 0.0
@@ -235,14 +239,14 @@ class Watch:
                 most = max(most, least - 2 * value / slope)
         return most
 
-    def slides(self, number: int, t: float, y: Array, way: float) -> float:
-        """Time [s] to where a law switches, next to which a run is, if the rates on both sides of
-        it drive the run back there, so that no motion follows (a sliding mode: A. F. Filippov,
-        Differential Equations with Discontinuous Righthand Sides, 1988); else infinity. way: length
-        of the stretch [s]."""
+    def time_to_sliding(self, number: int, t: float, y: Array, way: float) -> float:
+        """Time [s] to a switch next to which a run is, if the rates on both sides of it drive the
+        run back there, so that no motion follows (a sliding mode: A. F. Filippov, Differential
+        Equations with Discontinuous Righthand Sides, 1988); else infinity. way: length of the
+        stretch [s]."""
 
         def rates(time: float, state: Array) -> tuple[Array, float, float]:
-            """Rates, the value that is switched by, and its slope."""
+            """Rates, the value whose zero is the switch, and its slope."""
             f: Array = self.model.rhs(time, state, self.p)
             on = ALONG_RATES * way
             states, times = np.stack((state, state + on * f)), np.array([time, time + on])
@@ -263,7 +267,7 @@ class Watch:
 
         at: states (K, S) at times (K,). The time is one at which the value is reached or passed,
         within rounding of the first; a run that goes on from there does not meet it again.
-        Not-a-number where the dense output has no such crossing, seen at 23 points.
+        Not-a-number where the dense output, looked at in 23 points, has no such crossing.
         """
         value = self._value[number]
 
@@ -281,7 +285,7 @@ class Watch:
         before, after = np.sign(g[:-1]), np.sign(g[1:])
         crossed = np.flatnonzero(np.isin(before, signs) & (before * after <= 0))
         if not len(crossed):
-            return self._at_an_end(times, g, signs)
+            return self._root_at_end(times, g, signs)
         low, high = times[crossed[0]], times[crossed[0] + 1]
         ulp = float(np.spacing(max(abs(low), abs(high))))
         root = float(brentq(difference, low, high, xtol=4 * ulp, rtol=4 * np.finfo(float).eps))
@@ -289,8 +293,8 @@ class Watch:
             root, ulp = min(root + ulp, float(high)), 2 * ulp
         return root
 
-    def _at_an_end(self, times: Array, g: Array, signs: tuple[int, ...]) -> float:
-        """An end that is on the value but for rounding, on the wrong side of it."""
+    def _root_at_end(self, times: Array, g: Array, signs: tuple[int, ...]) -> float:
+        """Time of an end that is on the value but for rounding, on the wrong side of it."""
         near = ROUNDING * np.nanmax(np.abs(g), initial=0.0)
         if abs(g[0]) <= near and -np.sign(g[-1]) in signs:
             return float(times[0])
@@ -300,7 +304,7 @@ class Watch:
 
 
 def _cubic(t: Array, y: Array, f: Array) -> Array:
-    """States (K-1, points, S) at the points between rows; constant ones to the last bit."""
+    """Cubic states (K-1, points, S) at the points between rows; constant ones to the last bit."""
     h = np.diff(t)[:, None]
     with np.errstate(all="ignore"):  # of rates that are not finite
         parts = np.stack((np.diff(y, axis=0), h * f[:-1], h * f[1:]), axis=1)
@@ -309,14 +313,14 @@ def _cubic(t: Array, y: Array, f: Array) -> Array:
 
 
 @dataclass
-class Switching:
-    """Where a run is among the times at which laws of the motion switch.
+class SwitchProgress:
+    """Progress of a run across the switches of its laws of motion.
 
-    goal: end of the stretch [s]; begun: its start; towards: what the run steps onto at present, by
-    number, with its sign before; on, at: what it has passed last, and when [s]; cuts: how often it
-    has since a time (since) [s]; tried: how often it went a little further. Where steps are cut
-    again and again on a tiny part of the way, by laws that have corners there, as of springs that
-    rest on one, none is cut for a while (up to a time, calm), and so many times that was (pauses).
+    goal: end of the stretch [s]; begun: its start; towards: switches that the run steps onto at
+    present, by number, with the sign before; on, at: those it has passed last, and when [s]; cuts:
+    steps cut since a time (since) [s]; tried: how often it went a little further. Where steps are
+    cut again and again on a tiny part of the way, by laws that have corners there, as of springs
+    that rest on one, none is cut for a while (up to a time, calm); pauses: how often that was.
     """
 
     goal: float = math.nan
@@ -334,9 +338,12 @@ class Switching:
         if math.isnan(self.since):
             self.since = self.begun
 
-    def seen(self, watch: Watch, t: Array, y: Array, f: Array | None) -> list[Found]:
-        """Crossings in a block of steps, as Watch.crossings has them, without those that the run
-        is on its way to or has had too often. Raises ChatterError where a law that jumps has."""
+    def find_crossings(
+        self, watch: EventDetector, t: Array, y: Array, f: Array | None
+    ) -> list[Found]:
+        """Crossings in a block of steps, as EventDetector.crossings has them, without those that
+        the run is on its way to or has had too often. Raises ChatterError where a law that jumps
+        has."""
         found = watch.crossings(t, y, f, self.on if t[0] == self.at else ())
         if found and self.cuts >= OFTEN:
             way, now = self.goal - self.begun, float(t[0])
@@ -349,35 +356,35 @@ class Switching:
         return [
             crossing
             for crossing in found
-            if not (watch.switching(crossing[1]) and (calm or crossing[1] in self.towards))
+            if not (watch.is_switch(crossing[1]) and (calm or crossing[1] in self.towards))
         ]
 
     def head_for(self, sides: dict[int, float]) -> None:
-        """Step onto where laws of these numbers switch; sides: their signs before."""
+        """Step onto the switches of these numbers; sides: their signs before."""
         self.towards, self.cuts, self.tried = sides, self.cuts + 1, 0
 
-    def further(self, watch: Watch, t: float, y: Array, f: Array, h: float) -> float:
-        """When [s] the run has certainly passed what it was to step onto, as Watch.short_of has
-        it; t itself where it has, or where that was tried too often. Raises ChatterError where no
-        motion passes it."""
+    def next_goal(self, watch: EventDetector, t: float, y: Array, f: Array, h: float) -> float:
+        """Time [s] by which the run has certainly passed the switches it was to step onto, as
+        EventDetector.time_to_switch has it; t itself where it has, or where that was tried too
+        often. Raises ChatterError where no motion passes them."""
         self.tried += 1
         way = self.goal - self.begun
         for number in self.towards:
             if not (cause := watch.cause(number)):
                 continue
-            left = watch.slides(number, t, y, way)
+            left = watch.time_to_sliding(number, t, y, way)
             if left <= SHORT * way or (left < math.inf and self.tried > TRIES):
                 raise ChatterError(cause)
             if left < math.inf:
                 return t + left * NEARER
-        return t + (watch.short_of(self.towards, t, y, f, h) if self.tried <= TRIES else 0.0)
+        return t + (watch.time_to_switch(self.towards, t, y, f, h) if self.tried <= TRIES else 0.0)
 
     def arrive(self, t: float) -> None:
-        """The run is there, at a time [s]."""
+        """Note that the run is at the switch, at a time [s]."""
         self.on, self.at, self.towards = frozenset(self.towards), t, {}
 
     def state(self) -> dict[str, NDArray[Any]]:
-        """All that is needed to go on."""
+        """Arrays to restore it from, see `of`."""
         times = [self.goal, self.begun, self.at, self.since, self.calm]
         towards = np.array(list(self.towards.items()), dtype=float).reshape(-1, 2)
         counts = [self.cuts, self.tried, self.pauses]
@@ -388,8 +395,8 @@ class Switching:
         }
 
     @classmethod
-    def of(cls, state: Mapping[str, NDArray[Any]]) -> Switching:
-        """From such a state."""
+    def of(cls, state: Mapping[str, NDArray[Any]]) -> SwitchProgress:
+        """Restore it from the arrays of `state`."""
         goal, begun, *times = state["switching"].tolist()
         towards = {int(number): side for number, side in state["towards"].tolist()}
         on = frozenset(state["on"].tolist())

@@ -1,4 +1,4 @@
-"""A run without an end, whose parameters and method can be changed while it goes on."""
+"""An open-ended run, whose parameters and method can be changed while it goes on."""
 
 from __future__ import annotations
 
@@ -13,17 +13,17 @@ from threadpoolctl import ThreadpoolController
 
 from rodgen.arrays import Array
 from rodgen.errors import InputError
-from rodgen.integrate.catalogue import loads_at_work
 from rodgen.integrate.diagnosis import step_doubts
-from rodgen.integrate.live_progress import Course, LiveError, Progress
-from rodgen.integrate.methods.choose import Choice, choose
-from rodgen.integrate.pull import Pull, check_number, check_point, pulled, with_place
-from rodgen.integrate.samples import Samples
-from rodgen.integrate.stability import largest
-from rodgen.loading.module import asked
+from rodgen.integrate.live_steps import LiveError, LiveSteps, RunProgress
+from rodgen.integrate.methods.method_choice import Choice, choose
+from rodgen.integrate.pull import Pull, check_number, check_point, with_idle_support, with_pull
+from rodgen.integrate.quantity_formulas import loads_at_work
+from rodgen.integrate.recorder import Samples
+from rodgen.integrate.stability import largest_stable_step
+from rodgen.loading.generated_module import call_module
 from rodgen.model.terms import PULL
 from rodgen.scene import Scene
-from rodgen.scene.integration import AUTO, Integrate
+from rodgen.scene.integration import AUTO, IntegrationTable
 from rodgen.system import System
 
 __all__ = ["Live", "LiveError", "Samples"]
@@ -40,12 +40,12 @@ SAFE = 0.5  # of the largest stable step
 PAUSE = 0.5  # seconds that values have to rest before `auto` is asked anew
 
 
-class Live(Progress):
-    """A run that goes on as long as it is asked to, with a sample every so many seconds.
+class Live(LiveSteps):
+    """An open-ended run, with a sample every so many seconds.
 
-    Nothing but what is asked for here ends or holds it: the end of the span (which counts
-    as a time scale alone), max_steps and events do not. Steps are not cut at samples: they are
-    those of `simulate` over the span, and over others of that length behind it.
+    Only what is asked for here ends or holds it: the end of the span (which serves as a time scale
+    alone), max_steps and events do not. Steps are not cut at samples: they are those of `simulate`
+    over the span, and over others of that length behind it.
 
     A change or a kick acts at the end of the last step; where that is beyond a sample that was not
     given out yet, at the last one that was. So all samples that are given out later have felt it.
@@ -54,7 +54,7 @@ class Live(Progress):
     method, and why; rough: which of FOR_LOOKING is taken instead of that and of its tolerances,
     counted from 1, and 0 for none; given: energy [J] that changes and kicks have put in since the
     start; energy_start: total energy there [J]; pulls: whether the module has a place for a pull;
-    pulling: the pull that there is. To be used from one thread at a time; a InputError, for what
+    pulling: the present pull, if any. To be used from one thread at a time; an InputError, for what
     cannot be used, leaves the run as it was.
     """
 
@@ -70,12 +70,12 @@ class Live(Progress):
 
     def __init__(self, system: System | Scene, model: ModuleType, every: float):
         self.system, self.model = System.of(system), model
-        self._chooser, self.rough = Chooser(model), 0
-        self._begin(self.system, _period(every))
+        self._chooser, self.rough = MethodChooser(model), 0
+        self._begin(self.system, _check_period(every))
 
     @property
     def scene(self) -> Scene:
-        """The scene that is run."""
+        """Scene that is run."""
         return self.system.scene
 
     def advance(self, to: float, wall: float) -> Samples:
@@ -87,20 +87,20 @@ class Live(Progress):
         return super().one_step()
 
     def warnings(self) -> list[str]:
-        """What is wrong with the step or the tolerance, as of the initial state."""
+        """Doubts about the step or the tolerance, as of the initial state."""
         if self._warnings is None:
             with np.errstate(all="ignore"):
                 self._warnings = [*map(str, step_doubts(self._course.system, self.model))]
         return self._warnings
 
     def step_for(self, method: str) -> float:
-        """A step [s] for a method of equal steps: half of the largest that is stable about the
-        state at present and about the one at the start; where it has no limit, that between
-        samples. Raises InputError for a method that is unstable with every step."""
+        """Step [s] for a method of equal steps: half of the largest that is stable about the
+        present state and about the one at the start; where it has no limit, that between samples.
+        Raises InputError for a method that is unstable with every step."""
         start, here = self.system.settings.span[0], self.here()
         states = (start, self.system.y0), (float(here.t[-1]), here.y[-1])
         with np.errstate(all="ignore"):
-            most = min(largest(method, self.model, t, y, self.p) for t, y in states)
+            most = min(largest_stable_step(method, self.model, t, y, self.p) for t, y in states)
         if most == 0:
             allowed = f"one that is stable: with every step of {method} this rod swings ever wider"
             raise InputError("integrate.method", method, allowed)
@@ -110,95 +110,98 @@ class Live(Progress):
         """Go back to the initial state, that of another system of the same structure if it is
         given; counts, works and energy given begin at zero."""
         system = System.of(system or self.system)
-        self._same_structure(system)
+        self._check_structure(system)
         self._begin(system, self.every)
 
     def change(self, system: System | Scene) -> bool:
         """Go on with the parameters, method, step and tolerances of another system of the same
         structure; its initial state counts when the run is restarted.
 
-        Returns whether the rod moves otherwise from here on. Raises InputError.
+        Returns whether the motion changes by that. Raises InputError.
         """
         system, now = System.of(system), self.system
-        self._same_structure(system)
+        self._check_structure(system)
         same = system.settings == now.settings and np.array_equal(system.p, now.p)
         if same and not self._failed:
             self.system = system
             return False
-        before, self.rough = self.rough, self.rough * (_steps(system) == _steps(now))
+        before, self.rough = (
+            self.rough,
+            self.rough * (_step_settings(system) == _step_settings(now)),
+        )
         try:
             asked_for = self._with_pull(system)
             choice = self._chooser.choose_sparingly(asked_for, now.settings, self.choice)
-            self._change_to(system, choice)
+            self._switch_system(system, choice)
         except InputError:
             self.rough = before
             raise
         return True
 
     def roughen(self, on: bool) -> None:
-        """Go on by the next of FOR_LOOKING that is coarser than what the system asks for, or by the
-        method and tolerances of the system again; another method, step or tolerance of the system
-        takes that back. Raises InputError where it cannot be had."""
-        before, self.rough = self.rough, self._coarser() if on else 0
+        """Go on by the next of FOR_LOOKING that is coarser than what the system asks for, or, if
+        not on, by method and tolerances of the system again; another method, step or tolerance of
+        the system takes that back. Raises InputError where it cannot be had."""
+        before, self.rough = self.rough, self._next_coarser() if on else 0
         try:
-            self._change_to(self.system, self.choice)
+            self._switch_system(self.system, self.choice)
         except InputError:
             self.rough = before
             raise
 
     @property
-    def coarsest(self) -> bool:
+    def is_coarsest(self) -> bool:
         """Whether nothing coarser can be taken for looking."""
         return self.rough == len(FOR_LOOKING)
 
-    def _coarser(self) -> int:
-        """The number of what is taken for looking next."""
+    def _next_coarser(self) -> int:
+        """Number of the next coarser one of FOR_LOOKING."""
         asked = self.system.settings
-        finest = 0.0 if asked.fixed else asked.rtol
+        finest = 0.0 if asked.has_fixed_step else asked.rtol
         left = range(self.rough + 1, len(FOR_LOOKING))
         return next((i for i in left if FOR_LOOKING[i - 1]["rtol"] > finest), len(FOR_LOOKING))
 
     def kick(self, link: int, share: float, impulse: tuple[float, float]) -> None:
-        """An impulse [N s] at a share of a link, from 0 at its start to 1 at its end."""
-        t, y, work = self._here()
-        after = kicked(self.model, t, y, self.p, link, share, impulse)
-        self._go_on_by(self._made(self.system, self.choice, t, after), t, y, work)
+        """Apply an impulse [N s] at a share of a link, from 0 at its start to 1 at its end."""
+        t, y, work = self._point_of_change()
+        after = state_after_kick(self.model, t, y, self.p, link, share, impulse)
+        self._switch_course(self._make_course(self.system, self.choice, t, after), t, y, work)
 
     @property
-    def placed(self) -> System:
-        """The system as its module has it: where that has a place for a pull, with a support that
-        does nothing."""
-        return self._with_place(self.system)
+    def system_with_support(self) -> System:
+        """System as its module has it: with a support that does nothing, where that has a place for
+        a pull."""
+        return self._with_idle_support(self.system)
 
     @property
-    def integrated(self) -> System:
-        """The system as its module has it, with the method and tolerances in use, without a
-        pull."""
-        return self._with_method(self.placed, self.choice)
+    def system_in_use(self) -> System:
+        """System as its module has it, with the method and tolerances in use, without a pull."""
+        return self._with_method(self.system_with_support, self.choice)
 
     def allow_pulls(self, model: ModuleType) -> None:
-        """Go on in the same state by the module of the system `with_place`, where there is none."""
-        t, y, work = self._here()
+        """Go on in the same state by the module of `with_idle_support`, which has a place for
+        pulls."""
+        t, y, work = self._point_of_change()
         known, was = dict(zip(self.works, work, strict=True)), self.model
         self.model, self.pulls = model, True
         try:
-            course = self._made(self.system, self.choice, t, y)
+            course = self._make_course(self.system, self.choice, t, y)
         except Exception:  # whatever it is: the run goes on as it was
             self.model, self.pulls = was, False
             raise
-        self._chooser = Chooser(model)
+        self._chooser = MethodChooser(model)
         self.works = (*loads_at_work(model), PULL)
         before = np.array([known.get(name, 0.0) for name in self.works])
         self._take_up(course, before, self.every)
 
     def pull(self, pull: Pull | None) -> None:
-        """Pull the rod so from here on, or not at all; what the spring holds more by that is work
-        of the pull. Raises InputError."""
-        t, y, work = self._here()
+        """Pull the rod from here on, or stop that if None; energy that the spring gains by the
+        change is work of the pull. Raises InputError."""
+        t, y, work = self._point_of_change()
         before, was = self._energy(t, y, self.p), self.pulling
         self.pulling = pull
         try:
-            course = self._made(self.system, self.choice, t, y)
+            course = self._make_course(self.system, self.choice, t, y)
         except InputError:
             self.pulling = was
             raise
@@ -207,77 +210,77 @@ class Live(Progress):
         self._take_up(course, after)
 
     def _with_pull(self, system: System) -> System:
-        """Another system of the same structure, with the pull that there is. Raises InputError."""
-        placed = self._with_place(system)
-        return placed if self.pulling is None else pulled(placed, self.pulling)
+        """Another system of the same structure, with the present pull. Raises InputError."""
+        placed = self._with_idle_support(system)
+        return placed if self.pulling is None else with_pull(placed, self.pulling)
 
-    def _with_place(self, system: System) -> System:
+    def _with_idle_support(self, system: System) -> System:
         if not self.pulls:
             return system
         if self._placed is None or self._placed[0] is not system:
-            self._placed = system, with_place(system)
+            self._placed = system, with_idle_support(system)
         return self._placed[1]
 
     def go_back(self, sample: Samples, p: Array, given: float) -> None:
-        """Go on from one sample of before, at which p held and so much energy [J] was given."""
+        """Go back to an earlier sample, at which p held and so much energy [J] was given."""
         t, y, work = float(sample.t[-1]), sample.y[-1], sample.work[-1]
         before, self.pulling = self._energy(t, y, p), None
-        self._take_up(self._made(self.system, self.choice, t, y), work, self.every)
+        self._take_up(self._make_course(self.system, self.choice, t, y), work, self.every)
         self.given = given + self._energy(t, y, self.p) - before
 
     def sample_every(self, every: float) -> None:
-        """Other seconds between two samples, from here on."""
-        t, y, work = self._here()
-        self._take_up(self._made(self.system, self.choice, t, y), work, _period(every))
+        """Set the seconds between two samples, from here on."""
+        t, y, work = self._point_of_change()
+        self._take_up(self._make_course(self.system, self.choice, t, y), work, _check_period(every))
 
     def _begin(self, system: System, every: float) -> None:
         """Begin at the initial state of a system."""
         t, y = system.settings.span[0], system.y0
         self.pulling = None
-        choice = self._chooser.choose(self._with_place(system))
-        course = self._made(system, choice, t, y, t)
+        choice = self._chooser.choose(self._with_idle_support(system))
+        course = self._make_course(system, choice, t, y, t)
         works = loads_at_work(self.model)
         self._start(course, every, (*works, PULL) if self.pulls else works)
         self.system, self.choice, self._warnings = system, choice, None
         self._origin, self.given, self.energy_start = t, 0.0, self._energy(t, y, self.p)
 
-    def _change_to(self, system: System, choice: Choice) -> None:
-        """Other values from here on."""
-        t, y, work = self._here()
-        course = self._made(system, choice, t, y)
+    def _switch_system(self, system: System, choice: Choice) -> None:
+        """Go on with another system and method from here on."""
+        t, y, work = self._point_of_change()
+        course = self._make_course(system, choice, t, y)
         self.system, self.choice, self._warnings = system, choice, None
-        self._go_on_by(course, t, y, work)
+        self._switch_course(course, t, y, work)
 
-    def _go_on_by(self, course: Course, t: float, y: Array, work: Array) -> None:
-        """Take up another course, from the state y and the works up to here."""
+    def _switch_course(self, course: RunProgress, t: float, y: Array, work: Array) -> None:
+        """Take up another course, from state y and the works here, and count the energy given."""
         before = self._energy(t, y, self.p)
         self._take_up(course, work)
         self.given += self._energy(t, self.y, self.p) - before
 
     def _choose_again(self) -> None:
         """Choose the method, if that was put off while values were changed."""
-        if self._chooser.due:
+        if self._chooser.is_due:
             choice = self._chooser.choose(self._with_pull(self.system))
             if choice.method != self.choice.method:
-                self._change_to(self.system, choice)
+                self._switch_system(self.system, choice)
             self.choice = choice
 
-    def _made(
+    def _make_course(
         self, system: System, choice: Choice, t: float, y: Array, origin: float | None = None
-    ) -> Course:
-        """A course from (t, y), of a run that began at the origin [s]. Raises InputError."""
+    ) -> RunProgress:
+        """Run from (t, y), of a run that began at the origin [s]. Raises InputError."""
         origin = self._origin if origin is None else origin
         system = self._with_method(self._with_pull(system), choice)
         with np.errstate(all="ignore"):
-            return Course(system, self.model, t, y, origin)
+            return RunProgress(system, self.model, t, y, origin)
 
     def _with_method(self, system: System, choice: Choice) -> System:
-        """The system with the method that was chosen, or one for looking."""
+        """System with the chosen method, or with one of FOR_LOOKING."""
         if self.rough:
             return system.with_settings(**FOR_LOOKING[self.rough - 1])
-        return system.integrated_by(choice.method)
+        return system.with_method(choice.method)
 
-    def _same_structure(self, system: System) -> None:
+    def _check_structure(self, system: System) -> None:
         if system.structure != self.system.structure:
             allowed = f"of the same structure as {self.system.name}, which the module is for"
             raise InputError("scene", system.name, allowed)
@@ -285,50 +288,50 @@ class Live(Progress):
     def _energy(self, t: float, y: Array, p: Array) -> float:
         """Total energy of a state [J]."""
         with np.errstate(all="ignore"):
-            return float(sum(asked(self.model, "energy", t, y, p)))
+            return float(sum(call_module(self.model, "energy", t, y, p)))
 
 
-def _steps(system: System) -> tuple[Any, ...]:
-    """By what steps a system asks to be integrated."""
+def _step_settings(system: System) -> tuple[Any, ...]:
+    """Method, step and tolerances that a system asks for."""
     settings = system.settings
     return settings.method, settings.step, settings.rtol, settings.atol
 
 
-def _period(every: float) -> float:
-    """Seconds between two samples. Raises InputError."""
+def _check_period(every: float) -> float:
+    """Check and return the seconds between two samples. Raises InputError."""
     if not (isinstance(every, int | float) and math.isfinite(every) and every > 0):
         raise InputError("every", every, "a positive number of seconds")
     return float(every)
 
 
-class Chooser:
-    """The methods of systems of one module: `auto` is not asked anew for every value that a slider
-    passes."""
+class MethodChooser:
+    """Chooser of methods for systems of one module: `auto` is not asked anew for every value that a
+    slider passes."""
 
     def __init__(self, model: ModuleType):
         self._model, self._at, self._late = model, -math.inf, False
 
     def choose(self, system: System) -> Choice:
-        """What `auto` takes a system to need, or the method that it asks for."""
+        """Choose the method of a system: its own, or what `auto` takes it to need."""
         self._at, self._late = time.perf_counter(), False
         with np.errstate(all="ignore"):
             return choose(system, self._model)
 
-    def choose_sparingly(self, system: System, before: Integrate, present: Choice) -> Choice:
-        """The choice for a system, put off until its values rest if the settings before left it to
-        `auto` as well: a change is to be seen at once."""
+    def choose_sparingly(self, system: System, before: IntegrationTable, present: Choice) -> Choice:
+        """Choose the method of a system, but put that off until its values rest if the settings
+        before left it to `auto` as well: a change is to be seen at once."""
         if not system.settings.method == before.method == AUTO:
             return self.choose(system)
         self._at, self._late = time.perf_counter(), True
         return present
 
     @property
-    def due(self) -> bool:
+    def is_due(self) -> bool:
         """Whether a choice was put off that is to be made now."""
         return self._late and time.perf_counter() - self._at >= PAUSE
 
 
-def kicked(
+def state_after_kick(
     model: ModuleType,
     t: float,
     y: Array,
@@ -337,15 +340,15 @@ def kicked(
     share: float,
     impulse: tuple[float, float],
 ) -> Array:
-    """The state (states,) after an impulse [N s] at a share of a link, from 0 at its start to 1 at
-    its end: M du is its generalised force. Raises InputError."""
+    """State (states,) after an impulse [N s] at a share of a link, from 0 at its start to 1 at its
+    end: M du is its generalised force. Raises InputError."""
     check_point("kick", link, share, model.N)
     force = np.array([check_number("kick.impulse", part) for part in impulse])
     if force.shape != (2,):
         raise InputError("kick.impulse", impulse, "two numbers, in N s")
     # On one thread: others would be waited for longer than they help.
     with np.errstate(all="ignore"), _threads().limit(limits=1, user_api="blas"):
-        M = asked(model, "mass_matrix", t, y, p)
+        M = call_module(model, "mass_matrix", t, y, p)
         pushed = model.generalised_force(y, p, link, share, force)
         try:
             jump = np.linalg.solve(M, pushed)
@@ -353,7 +356,10 @@ def kicked(
             jump = np.full(len(pushed), math.nan)
         after: Array = y.copy()
         after[len(jump) : 2 * len(jump)] += jump
-        finite = np.isfinite(after).all() and np.isfinite(asked(model, "energy", t, after, p)).all()
+        finite = (
+            np.isfinite(after).all()
+            and np.isfinite(call_module(model, "energy", t, after, p)).all()
+        )
     if not finite:
         raise InputError("kick.impulse", impulse, "such that rates and energy stay finite")
     return after

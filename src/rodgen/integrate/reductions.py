@@ -1,4 +1,4 @@
-"""What is kept of a run: reductions of the numbers of its quantities over its samples.
+"""Reductions: what is kept of the numbers of quantities in a run, over its samples.
 
 last(tip_x)    max(phi_19)    rms(tip_y, from=5)    mean(kinetic_energy, from=1, to=2)
 """
@@ -15,7 +15,7 @@ import numpy as np
 
 from rodgen.arrays import Array
 from rodgen.errors import InputError, did_you_mean
-from rodgen.integrate.catalogue import Motion
+from rodgen.integrate.quantity_formulas import Motion
 from rodgen.model.quantities import ADDED, LOADS, POWERS, QUANTITIES, WORKS, Index, numbers
 from rodgen.model.rod import Boundary
 
@@ -38,7 +38,7 @@ _ALLOWED = (
 
 @dataclass(frozen=True)
 class Reduction:
-    """A reduction of the samples between two times [s] of a number, by its name."""
+    """Reduction of a number, by its name, over the samples between two times [s]."""
 
     text: str
     kind: str
@@ -46,15 +46,15 @@ class Reduction:
     start: float = -math.inf
     end: float = math.inf
 
-    def of(self, t: Array, values: Array) -> float:
-        """Its value for samples at times t (T,); not-a-number where none is between its times."""
+    def reduce(self, t: Array, values: Array) -> float:
+        """Reduce samples at times t (T,) to a value; not-a-number if none is between its times."""
         inside = (t >= self.start) & (t <= self.end)
         return float(REDUCTIONS[self.kind](t[inside], values[inside])) if inside.any() else math.nan
 
 
 @lru_cache(maxsize=1024)
 def parse(text: str) -> Reduction | None:
-    """A reduction from its text; None for what is none."""
+    """Parse a reduction from its text; None for what is none."""
     found = _FORM.fullmatch(text)
     if not found or found[1] not in REDUCTIONS:
         return None
@@ -71,8 +71,8 @@ def parse(text: str) -> Reduction | None:
     return Reduction(text, found[1], found[2], start, end) if start <= end else None
 
 
-def checked(texts: Iterable[str], names: Iterable[str]) -> tuple[Reduction, ...]:
-    """Reductions from their texts. Raises InputError for one of no number by these names."""
+def parse_all(texts: Iterable[str], names: Iterable[str]) -> tuple[Reduction, ...]:
+    """Parse reductions from their texts. Raises InputError for one of no number by these names."""
     names = tuple(names)
     found = []
     for at, text in enumerate(texts):
@@ -88,22 +88,22 @@ def checked(texts: Iterable[str], names: Iterable[str]) -> tuple[Reduction, ...]
 
 @dataclass(frozen=True)
 class Numbers:
-    """All single numbers of the quantities of a rod, by name: of which quantity, and where."""
+    """All single numbers of the quantities of a rod: by name, the quantity and the index in it."""
 
     places: Mapping[str, tuple[str, Index]]
 
     @classmethod
     def of(
         cls,
-        hold: Boundary,
+        boundary: Boundary,
         links: int,
         works: Iterable[str],
         loads: Iterable[str],
         added: Iterable[str],
         supported: Sequence[int] = (),
     ) -> Numbers:
-        """works, loads, added: names of the loads that do work, of parameters that change, and of
-        states that are added; supported: links that supports may be on."""
+        """Collect all numbers. works, loads, added: names of the loads that do work, of parameters
+        that change, and of states that are added; supported: links that supports may be on."""
         works = tuple(works)
         each = {WORKS: works, POWERS: works, LOADS: tuple(loads), ADDED: tuple(added)}
         places: dict[str, tuple[str, Index]] = {"total_work": ("total_work", ())}
@@ -112,12 +112,12 @@ class Numbers:
                 named = (quantity.name.format(term) for term in each.get(quantity.each, ()))
                 places |= {name: (name, ()) for name in named}
             else:
-                found = numbers(quantity, hold, links, supported)
+                found = numbers(quantity, boundary, links, supported)
                 places |= {one.name: (quantity.name, one.at) for one in found}
         return cls(places)
 
     def values(self, motion: Motion, name: str) -> Array:
-        """A number at all samples of a motion, (T,)."""
+        """Values of a number at all samples of a motion, (T,)."""
         quantity, at = self.places[name]
         found: Array = motion.values(quantity)[(..., *at)]
         return found

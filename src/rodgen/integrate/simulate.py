@@ -1,4 +1,4 @@
-"""A scene to a Solution: the run from break point to break point."""
+"""Integration of a scene to a Solution, from break point to break point."""
 
 from __future__ import annotations
 
@@ -12,31 +12,31 @@ from typing import Any, Unpack
 import numpy as np
 
 from rodgen.errors import InputError
-from rodgen.integrate.catalogue import loads_at_work
-from rodgen.integrate.diagnosis import failure, step_doubts
-from rodgen.integrate.endings import (
+from rodgen.integrate.diagnosis import failure_message, step_doubts
+from rodgen.integrate.error_growth import error_growth as growth_of
+from rodgen.integrate.events import EventDetector
+from rodgen.integrate.files.saver import IN_MEMORY, Saver
+from rodgen.integrate.integrator import EventStop
+from rodgen.integrate.methods.compiled_integrator import initial_parts
+from rodgen.integrate.methods.method_choice import choose, make_integrator
+from rodgen.integrate.quantity_formulas import loads_at_work
+from rodgen.integrate.recorder import Recorder
+from rodgen.integrate.run_status import (
     FAILED,
     FINISHED,
     INTERRUPTED,
-    ended_by,
+    event_message,
 )
-from rodgen.integrate.error_growth import error_growth as growth_of
-from rodgen.integrate.events import Watch
-from rodgen.integrate.files.saver import IN_MEMORY, Saver
-from rodgen.integrate.machine import Happened
-from rodgen.integrate.methods.choose import choose, machine
-from rodgen.integrate.methods.compiled import parts
-from rodgen.integrate.samples import Recorder
 from rodgen.integrate.solution import Interrupted, RunError, Solution
 from rodgen.integrate.stepper import Stats, StepError
-from rodgen.integrate.stretches import UNBOUNDED, Stretches, inside, step_to
+from rodgen.integrate.stretches import UNBOUNDED, Stretches, evaluation_bounds, step_to
 from rodgen.integrate.trajectory import Event
-from rodgen.memory import check_memory, gigabytes, is_small, limit
+from rodgen.memory import check_memory, format_gigabytes, is_small, memory_limit
 from rodgen.native.library import DeferredInterrupt
-from rodgen.progress import running, telling
+from rodgen.progress import report_stages_to, show_run
 from rodgen.result import Note, warn_of
 from rodgen.scene import Scene
-from rodgen.scene.integration import AUTO, Settings, check_used, spelt_out
+from rodgen.scene.integration import AUTO, IntegrationSettings, check_used, with_keywords
 from rodgen.system import System
 
 LINK, SAMPLE = 6e3, 24.0  # bytes for every link, and for every number of a sample
@@ -45,7 +45,7 @@ TICK = 0.1  # seconds between two calls of the progress callback
 Progress = Callable[[float], None] | bool | None
 
 
-@spelt_out
+@with_keywords
 def simulate(
     system: System | Scene,
     *,
@@ -55,7 +55,7 @@ def simulate(
     out: str | Path | None = None,
     checkpoint: float | None = None,
     error_growth: bool = False,
-    **overrides: Unpack[Settings],
+    **overrides: Unpack[IntegrationSettings],
 ) -> Solution:
     """Integrate a scene.
 
@@ -123,45 +123,45 @@ def simulate(
         system = system.with_settings(**overrides)
         check_used(system.settings, overrides)
     check_samples(system, to_file=out is not None)
-    system.course.check_masses()
-    with _making(progress):
+    system.time_functions.check_masses()
+    with _build_reports(progress):
         if model is None:
-            model = system.model(target, parts(system.settings, target))
+            model = system.model(target, initial_parts(system.settings, target))
         elif model.PROVENANCE["structure_hash"] != system.structure.hash:
             allowed = f"built for this scene, with {system.structure!r}"
             raise InputError("model", model.__name__, allowed)
         if system.settings.method == AUTO:
-            system = system.integrated_by(choose(system, model).method)
+            system = system.with_method(choose(system, model).method)
         with DeferredInterrupt() as interrupt:
             notes += _doubts(system, model)
             if notes:
                 warn_of(notes)  # before there is a file
             saver = Saver.begin(system, model, out, checkpoint)
             if saver.stream is not None:
-                saver.stream.keep(notes)
+                saver.stream.write_notes(notes)
             solution = _run(saver, progress, interrupt, notes)
         if error_growth:
-            follow_errors(solution)
+            add_error_growth(solution)
     return solution
 
 
 def _doubts(system: System, model: ModuleType) -> tuple[Note, ...]:
-    """What is doubtful about the steps, as far as it can be looked at: else the run will say so."""
+    """Doubts about the steps; none where they cannot be looked at, which the run will tell."""
     with np.errstate(all="ignore"), suppress(StepError, OverflowError):
         return step_doubts(system, model)
     return ()
 
 
-def follow_errors(solution: Solution) -> None:
+def add_error_growth(solution: Solution) -> None:
     """Find how fast errors grow in a run, and warn where its late angles are not to be trusted."""
     solution.errors = growth_of(solution)
     warn_of(solution.notes[len(solution.run_notes) :])
 
 
 def check_samples(system: System, to_file: bool) -> None:
-    """Raise InputError for a run that needs more memory than it may take, with its samples; of one
-    to a file, some of these."""
-    count, states = len(system.settings.samples), len(system.added)
+    """Raise InputError for a run whose samples need more memory than it may take; of a run to a
+    file, only those that the Solution holds count."""
+    count, states = len(system.settings.sample_times), len(system.extra_states)
     held = min(count, IN_MEMORY) if to_file else count
 
     def need(links: int) -> float:
@@ -169,9 +169,11 @@ def check_samples(system: System, to_file: bool) -> None:
 
     if is_small(need(system.structure.links)):
         return
-    if need(1) > limit():
-        allowed = f"fewer, of a longer output_every: they need {gigabytes(need(1))} of memory"
-        raise InputError("samples", count, f"{allowed}, of {gigabytes(limit())} here")
+    if need(1) > memory_limit():
+        allowed = (
+            f"fewer, of a longer output_every: they need {format_gigabytes(need(1))} of memory"
+        )
+        raise InputError("samples", count, f"{allowed}, of {format_gigabytes(memory_limit())} here")
     check_memory(f"a run of {count} samples", system.structure.links, need)
 
 
@@ -224,12 +226,12 @@ def resume(
         return _run(saver, progress, interrupt, notes)
 
 
-def _making(progress: Progress) -> AbstractContextManager[None]:
-    """Who is told of the making of the module and of its parts."""
+def _build_reports(progress: Progress) -> AbstractContextManager[None]:
+    """Context in which stages of building the module are reported as `progress` asks."""
     if progress is False:
-        return telling(lambda _: None)
+        return report_stages_to(lambda _: None)
     stage = getattr(progress, "stage", None)
-    return nullcontext() if stage is None else telling(stage)
+    return nullcontext() if stage is None else report_stages_to(stage)
 
 
 def _run(
@@ -238,16 +240,16 @@ def _run(
     interrupt: DeferredInterrupt,
     notes: tuple[Note, ...],
 ) -> Solution:
-    """The run, with a bar if nothing else was asked for."""
+    """Perform the run, with a bar if nothing else was asked for."""
     if callable(progress):
-        return _Run(saver, progress, interrupt, notes).go()
+        return _Simulation(saver, progress, interrupt, notes).run()
     if progress is False:
-        return _Run(saver, lambda _: None, interrupt, notes).go()
-    with running(saver.system.name, *saver.system.settings.span) as update:
-        return _Run(saver, update, interrupt, notes).go()
+        return _Simulation(saver, lambda _: None, interrupt, notes).run()
+    with show_run(saver.system.name, *saver.system.settings.span) as update:
+        return _Simulation(saver, update, interrupt, notes).run()
 
 
-class _Run:
+class _Simulation:
     def __init__(
         self,
         saver: Saver,
@@ -255,30 +257,30 @@ class _Run:
         interrupt: DeferredInterrupt,
         notes: tuple[Note, ...],
     ):
-        """notes: on the numbers of the system."""
+        """Prepare the run; notes: on the numbers of the system."""
         self.saver, self.progress, self.interrupt = saver, progress, interrupt
         self.system, self.model = system, model = saver.system, saver.model
         self.settings, self.p = system.settings, system.p
         self.notes = notes
-        switches = () if self.settings.fixed else system.course.switches()
-        self.watch = Watch(system.events, model, self.p, switches)
+        switches = () if self.settings.has_fixed_step else system.time_functions.switches()
+        self.watch = EventDetector(system.events, model, self.p, switches)
         self.start = self._told = time.perf_counter()
         start, y0 = self.settings.span[0], system.y0
         self.works = loads_at_work(model)
         with np.errstate(all="ignore"):  # of a state that cannot be integrated
-            self.machine = machine(model, self.p, self.settings, start, y0)
-        times = self.settings.samples
+            self.machine = make_integrator(model, self.p, self.settings, start, y0)
+        times = self.settings.sample_times
         self.pole: Any = None
         self.recorder = Recorder(times, len(y0), self.works, saver.stream, saver.samples)
         self.seconds_before = saver.seconds
-        saver.keep_safe(self.recorder, self.machine, self.watch, lambda: self.counts)
+        saver.attach(self.recorder, self.machine, self.watch, lambda: self.stats)
 
-    def go(self) -> Solution:
+    def run(self) -> Solution:
         try:
             with np.errstate(all="ignore"):
-                message = self._walk()
+                message = self._step_through()
         except (StepError, OverflowError) as error:
-            message = failure(error, self.system.scene, self.machine, self.pole)
+            message = failure_message(error, self.system.scene, self.machine, self.pole)
             status = getattr(error, "status", FAILED)
             raise RunError(message, self.solution(status, message)) from None
         except KeyboardInterrupt:
@@ -286,55 +288,62 @@ class _Run:
             raise Interrupted(self.solution(INTERRUPTED, message)) from None
         return self.solution(FINISHED, message)
 
-    def _walk(self) -> str:
-        """All stretches; what there is to say of the end."""
-        stretches = Stretches.of(self.system.course, self.settings.fixed)
+    def _step_through(self) -> str:
+        """Step through all stretches, and return the message of the end."""
+        stretches = Stretches.of(self.system.time_functions, self.settings.has_fixed_step)
         self.pole = stretches.pole
         taken_up = self.saver.restore(self.machine)
-        times, rows = self.recorder.room()
+        times, rows = self.recorder.free_rows()
         if not taken_up and times[0] == self.machine.t:
             rows[0] = 0.0
             rows[0, : self.recorder.states] = self.machine.y
-            self.recorder.took(1)
+            self.recorder.commit(1)
         try:
             for end in stretches.ends:
                 if end <= self.machine.t:
                     continue
                 if not (taken_up and self.machine.end == end):
-                    self.machine.begin(end, *inside(self.machine.t, end), stretches.swing)
+                    self.machine.begin(
+                        end, *evaluation_bounds(self.machine.t, end), stretches.swing
+                    )
                 taken_up = False
                 self._told = time.perf_counter()
                 step_to(
-                    end, self.machine, self.recorder, self.watch, self.settings.budget, self._look
+                    end,
+                    self.machine,
+                    self.recorder,
+                    self.watch,
+                    self.settings.step_limit,
+                    self._between_slices,
                 )
-        except Happened as event:
+        except EventStop as event:
             name = self.system.events[event.number].name
-            return ended_by(event.t, name)
+            return event_message(event.t, name)
         if self.pole:  # a step across it would be finite, and wrong
             raise StepError(UNBOUNDED)
         return ""
 
-    def _look(self) -> None:
-        """Write what is to be written, tell how far it is, and heed Ctrl-C."""
+    def _between_slices(self) -> None:
+        """Write what is due, report the time reached, and heed Ctrl-C."""
         now = time.perf_counter()
         self.saver.tick(now)
         if now - self._told > TICK:
             self._told = now
             self.progress(self.machine.t)
-        self.interrupt.look()
+        self.interrupt.raise_pending()
 
     @property
-    def counts(self) -> Stats:
-        """What the run has cost so far."""
+    def stats(self) -> Stats:
+        """Costs of the run so far, with its time by the clock."""
         seconds = self.seconds_before + time.perf_counter() - self.start
         return Stats.of(self.machine.counts, seconds, self.model.PROVENANCE["target"])
 
     def solution(self, status: str, message: str) -> Solution:
-        """What there is, from memory or from the file."""
+        """Solution of the samples so far, from memory or from the file."""
         names = [event.name for event in self.system.events]
         with np.errstate(all="ignore"):
-            t, y, work = self.recorder.kept()
-            stats = self.counts
+            t, y, work = self.recorder.in_memory()
+            stats = self.stats
             if self.saver.stream is not None:
                 kept = self.saver.finish(status, message, stats)
                 kept.run_notes = self.notes  # for all of which a file may have no room

@@ -1,4 +1,4 @@
-"""What came out of a run, and the exceptions that carry what there is of it."""
+"""Result of a run, and the exceptions that carry the result of one that did not finish."""
 
 from __future__ import annotations
 
@@ -11,24 +11,35 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from rodgen.arrays import Array
-from rodgen.display import Plottable, appearance
+from rodgen.display import Plottable, result_drawing
 from rodgen.errors import InputError
 from rodgen.integrate.dense_output import DenseOutput
 from rodgen.integrate.files import storage
 from rodgen.integrate.stepper import StepError
 from rodgen.integrate.trajectory import Trajectory
-from rodgen.result import REMARK, Note, Result, ResultTable, Row, doubt, hidden
+from rodgen.result import REMARK, Note, Result, ResultTable, Row, doubt, omit_from_tables
 
 if TYPE_CHECKING:
     import pandas
     import xarray
 
-    from rodgen.display import Video
+    from rodgen.display import VideoData
 
 SHOWN = 10  # events
 # Members that only quantities and studies read.
 PARTS = frozenset(
-    ("added", "called", "follows", "given", "hold", "names", "run_notes", "taken", "timed", "until")
+    (
+        "extra_states",
+        "evaluate",
+        "has_feedback",
+        "energy_input",
+        "boundary_condition",
+        "names",
+        "run_notes",
+        "isel",
+        "time_laws",
+        "head",
+    )
 )
 COUNTED = {
     "nsteps": "steps",
@@ -39,13 +50,13 @@ COUNTED = {
 }
 
 
-def _counted(name: str, words: str) -> Row:
-    """The row of a number of the run's Stats."""
-    return Row(name, words, of=lambda run: getattr(run.stats, name), text=hidden)
+def _stats_row(name: str, words: str) -> Row:
+    """Row of a number of the run's Stats."""
+    return Row(name, words, of=lambda run: getattr(run.stats, name), text=omit_from_tables)
 
 
-def _off(run: Solution) -> float | None:
-    """By how much energy does not balance [J], if there are samples."""
+def _energy_error(run: Solution) -> float | None:
+    """Largest error of the energy balance [J]; None without samples."""
     return run.energy_error if len(run.t) else None
 
 
@@ -58,12 +69,12 @@ class Solution(Trajectory, Result, Plottable):
     """States of a scene over time.
 
     system: what was run; t: times [s], (T,); y: states in SI units and the order of the module's
-    STATE, (T, states); stats: numbers of steps and of calls, and the seconds; work: work done
-    by each load without potential since the start [J], by term, each (T,); status: "finished",
+    STATE, (T, states); stats: numbers of steps and of calls, and the seconds; work: work done by
+    each load without potential since the start [J], by term, each (T,); status: "finished",
     "failed", "chatters" or "interrupted"; message: how the run ended; model: the generated module,
     built when it is first used if the solution comes from a file; events: that happened; changes:
-    parameters at each sample of a live run whose values were changed, else None; errors: how fast
-    errors grow, if that was asked for (a file does not keep it); run_notes: what was doubtful
+    parameters at each sample of a live run whose values were changed, else None; errors: growth of
+    small errors, if that was asked for (a file does not keep it); run_notes: what was doubtful
     before the first step.
 
     Examples
@@ -86,36 +97,60 @@ class Solution(Trajectory, Result, Plottable):
     """
 
     ROWS = (
-        Row("name", "scene", of=lambda run: run.scene.name, text=hidden),
-        Row("status", "status", text=lambda run: run._ended),
-        Row("message", "message", text=hidden),
+        Row("name", "scene", of=lambda run: run.scene.name, text=omit_from_tables),
+        Row("status", "status", text=lambda run: run._status_text),
+        Row("message", "message", text=omit_from_tables),
         Row("samples", "samples", of=lambda run: len(run.t), text=lambda run: run._samples),
-        Row("states", "states", of=lambda run: run.y.shape[-1], text=hidden),
-        Row("end", "end", "s", of=lambda run: run.t[-1] if len(run.t) else None, text=hidden),
+        Row("states", "states", of=lambda run: run.y.shape[-1], text=omit_from_tables),
+        Row(
+            "end",
+            "end",
+            "s",
+            of=lambda run: run.t[-1] if len(run.t) else None,
+            text=omit_from_tables,
+        ),
         Row("method", "method", of=lambda run: run.method, text=lambda run: run._method),
-        *(_counted(name, words) for name, words in COUNTED.items()),
+        *(_stats_row(name, words) for name, words in COUNTED.items()),
         Row("seconds", "time taken", "s", of=lambda run: run.stats.wall_seconds, text=_time_taken),
-        Row("target", "module", of=lambda run: run.stats.target, text=hidden),
+        Row("target", "module", of=lambda run: run.stats.target, text=omit_from_tables),
         Row("events", "events", of=lambda run: run._events, text=lambda run: run._named_events),
         Row("tip", "tail at the end", "m", of=lambda run: run._tip, text=lambda run: run._tail),
-        Row("work", "work of {} until the end", "J", ".6g", of=lambda run: run._work, text=hidden),
-        Row("energy_error", "energy balances to", "J", of=_off, text=lambda run: run._balance),
-        Row("errors", "growth of small errors", of=lambda run: run._grown, text=hidden),
+        Row(
+            "work",
+            "work of {} until the end",
+            "J",
+            ".6g",
+            of=lambda run: run._work,
+            text=omit_from_tables,
+        ),
+        Row(
+            "energy_error",
+            "energy balances to",
+            "J",
+            of=_energy_error,
+            text=lambda run: run._balance,
+        ),
+        Row(
+            "errors",
+            "growth of small errors",
+            of=lambda run: run._growth_row,
+            text=omit_from_tables,
+        ),
     )
 
     @property
     def notes(self) -> tuple[Note, ...]:  # type: ignore[override]  # a field of other results
-        """What to know about the numbers: what was doubtful before the first step, and how fast
-        errors grow, where that was asked for."""
-        return (*self.run_notes, *self._grows)
+        """Notes on the numbers: doubts before the first step and, if asked for, on the growth of
+        errors."""
+        return (*self.run_notes, *self._growth_notes)
 
     def to_dict(self) -> dict[str, Any]:
-        """Its rows by name and its notes, as plain data for JSON."""
+        """Rows by name and notes, as plain data for JSON."""
         with np.errstate(all="ignore"):  # of a run that blew up
             return super().to_dict()
 
     def tables(self) -> list[ResultTable]:
-        """Its rows in words."""
+        """Tables of the rows in words."""
         with np.errstate(all="ignore"):
             return super().tables()
 
@@ -125,8 +160,8 @@ class Solution(Trajectory, Result, Plottable):
         return self.system.settings.method
 
     @property
-    def _grows(self) -> Iterator[Note]:
-        """That late angles are not to be trusted, or that this is not known."""
+    def _growth_notes(self) -> Iterator[Note]:
+        """Note that late angles are not to be trusted, or that this is not known."""
         if self.errors is None:
             return
         if math.isnan(self.errors.factor):
@@ -137,11 +172,11 @@ class Solution(Trajectory, Result, Plottable):
             yield doubt(words, **self.errors._asdict())
 
     @property
-    def _grown(self) -> dict[str, float] | None:
+    def _growth_row(self) -> dict[str, float] | None:
         return None if self.errors is None else self.errors._asdict()
 
     @property
-    def _ended(self) -> str:
+    def _status_text(self) -> str:
         return f"{self.status}: {self.message}" if self.message else self.status
 
     @property
@@ -182,7 +217,7 @@ class Solution(Trajectory, Result, Plottable):
         return f"{self.energy_error:.2e} J" if len(self.t) else None
 
     def __dir__(self) -> list[str]:
-        """What an editor offers: not what only those need who extend rodgen."""
+        """Names that an editor offers: all but those which only extensions of rodgen need."""
         return [name for name in super().__dir__() if name not in PARTS]
 
     def __repr__(self) -> str:
@@ -202,7 +237,7 @@ class Solution(Trajectory, Result, Plottable):
         if times.dtype.kind not in "iuf" or times.ndim > 1:
             raise InputError("t", t, "a time in seconds, or an array (K,) of them")
         try:
-            states = self._between.at(np.atleast_1d(times).astype(float)).T
+            states = self._between.states_at(np.atleast_1d(times).astype(float)).T
         except StepError as error:
             raise RunError(str(error), self) from None
         return states if times.ndim else states[:, 0]
@@ -229,7 +264,7 @@ class Solution(Trajectory, Result, Plottable):
         width: int = 640,
         height: int = 360,
         bounds: tuple[float | None, float | None] = (None, None),
-    ) -> Video:
+    ) -> VideoData:
         """A video of the run, which notebooks play and `save` writes to a file.
 
         fps: frames a second [1/s]; speed: simulated seconds in a second of film, dimensionless, by
@@ -242,7 +277,7 @@ class Solution(Trajectory, Result, Plottable):
         InputError for what cannot be used.
         """
         settings = {"fps": fps, "speed": speed, "view": view, "bounds": bounds}
-        video: Video = appearance().video(self, width=width, height=height, **settings)
+        video: VideoData = result_drawing().video(self, width=width, height=height, **settings)
         return video
 
     def save(self, path: str | Path) -> None:
@@ -273,7 +308,7 @@ class RunError(ArithmeticError):
 
     @property
     def status(self) -> str:
-        """That of the solution."""
+        """Status of the solution."""
         return self.solution.status
 
     def __reduce__(self) -> tuple[Any, ...]:

@@ -1,4 +1,4 @@
-"""The fastest motion about a state, and how long a step of explicit methods it allows."""
+"""Fastest motion about a state, and the longest steps of explicit methods that it allows."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from scipy.optimize import brentq
 from scipy.sparse.linalg import ArpackError, ArpackNoConvergence, LinearOperator, eigs
 
 from rodgen.arrays import Array
-from rodgen.integrate.methods.fixed_step import advance
+from rodgen.integrate.methods.fixed_step import explicit_step
 from rodgen.integrate.stepper import StepError
 from rodgen.model.method import Tableau, stability_polynomial
 from rodgen.model.methods import METHODS
@@ -69,32 +69,32 @@ class Dominant:
         return -self.value.real / self.rate if self.rate else 0.0
 
 
-def added_states(model: ModuleType) -> tuple[str, ...]:
+def extra_states_of(model: ModuleType) -> tuple[str, ...]:
     """Names of the states of a module that are neither positions nor velocities."""
     return tuple(getattr(model, "STATES", ()))
 
 
 def dominant(model: ModuleType, t: float, y: Array, p: Array) -> Dominant:
-    """The fastest motion about the state y (states,) at time t [s], in O(n) per product.
+    """Find the fastest motion about the state y (states,) at time t [s], in O(n) per product.
 
     ARPACK's implicitly restarted Arnoldi iteration (R. B. Lehoucq et al. 1998) on differences of
     rhs; of few states, all eigenvalues of jac. Raises StepError where the rates are not finite.
     """
-    return _kept(model, t, np.asarray(y, dtype=float).tobytes(), np.asarray(p).tobytes())
+    return _cached_dominant(model, t, np.asarray(y, dtype=float).tobytes(), np.asarray(p).tobytes())
 
 
 @lru_cache(maxsize=16)
-def _kept(model: ModuleType, t: float, state: bytes, parameters: bytes) -> Dominant:
-    """The fastest motion about a start, which `auto`, a warning and the next run ask for."""
+def _cached_dominant(model: ModuleType, t: float, state: bytes, parameters: bytes) -> Dominant:
+    """Fastest motion about a start, kept for `auto`, a warning and the next run."""
     y, p = np.frombuffer(state), np.frombuffer(parameters)
-    system = _Scaled(model, t, y, p)
-    value, vector, converged = _dense(system) if len(y) <= DENSE else _iterated(system)
+    system = _ScaledJacobian(model, t, y, p)
+    value, vector, converged = _by_eig(system) if len(y) <= DENSE else _by_arpack(system)
     half = system.half
     mode = vector[:half]
     partner = value.conjugate()
     if value.imag == 0 and value:
         x = mode.real
-        pull = system.pull(x) * system.rate
+        pull = system.accelerations(x) * system.rate
         partner = complex(-(x @ pull) / (x @ x) / value.real) if x.any() else 0j
     mode = mode * system.unit
     largest = mode[np.argmax(np.abs(mode))]
@@ -104,17 +104,17 @@ def _kept(model: ModuleType, t: float, state: bytes, parameters: bytes) -> Domin
     return Dominant(value, partner, mode, system.evaluations, converged)
 
 
-class _Scaled:
-    """The Jacobian [[0, 1], [A, B]] of (q, v) as that of (rate q, v), lengths in links; states that
-    are added stand behind these as they are.
+class _ScaledJacobian:
+    """Jacobian [[0, 1], [A, B]] of (q, v) as that of (rate q, v), with lengths in links; states
+    that are added follow unscaled.
 
-    With rate near the largest frequency both halves of an eigenvector are alike in size, which
-    the iteration and the increments of the differences need.
+    With rate near the largest frequency both halves of an eigenvector are alike in size, which the
+    iteration and the increments of the differences need.
     """
 
     def __init__(self, model: ModuleType, t: float, y: Array, p: Array):
         self.model, self.t, self.y, self.p = model, t, y, p
-        self.added, self.evaluations = len(added_states(model)), 0
+        self.added, self.evaluations = len(extra_states_of(model)), 0
         self.half = (len(y) - self.added) // 2
         self.unit = np.ones(self.half)
         if BOUNDARIES[model.BOUNDARY].translates:
@@ -125,19 +125,19 @@ class _Scaled:
         self.rate, self.start = self._guess()
 
     def _guess(self) -> tuple[float, Array]:
-        """Frequency and shape after a few powers of A, from links that turn to and fro."""
+        """Guess frequency and shape by a few powers of A, from links that turn to and fro."""
         x = np.where(np.arange(self.half) % 2, -1.0, 1.0) * np.linspace(1.0, 1.5, self.half)
         square = 0.0
         for _ in range(4):
-            pull = self.pull(x)
+            pull = self.accelerations(x)
             square = float(np.abs(pull).max() / np.abs(x).max())
             if square == 0:
                 return 1.0, x
             x = pull / np.abs(pull).max()
         return square**0.5, x
 
-    def pull(self, x: Array) -> Array:
-        """Accelerations, over the rate, by positions x (half,)."""
+    def accelerations(self, x: Array) -> Array:
+        """Accelerations over the rate, by positions x (half,)."""
         w = np.concatenate((x, np.zeros(self.half + self.added)))
         return self.product(w)[self.half : 2 * self.half]
 
@@ -146,7 +146,7 @@ class _Scaled:
         return np.concatenate((self.unit, self.rate * self.unit, np.ones(self.added)))
 
     def product(self, w: Array) -> Array:
-        """Jacobian times w (states,) by a central difference."""
+        """Multiply the Jacobian by w (states,), by a central difference."""
         w, half = np.asarray(w).ravel(), self.half
         scale = self._scale
         e = SHIFT / max(np.abs(w).max(), np.finfo(float).tiny)
@@ -157,18 +157,18 @@ class _Scaled:
         difference[:half] = self.rate * w[half : 2 * half]  # q' = v
         return np.asarray(difference)
 
-    def vector(self, raw: Complex) -> Complex:
-        """An eigenvector of the module's own Jacobian in the units here."""
+    def to_scaled_units(self, raw: Complex) -> Complex:
+        """Scale an eigenvector of the module's own Jacobian to the units here."""
         return raw / self._scale
 
 
-def _dense(system: _Scaled) -> tuple[complex, Complex, bool]:
+def _by_eig(system: _ScaledJacobian) -> tuple[complex, Complex, bool]:
     values, vectors = np.linalg.eig(system.model.jac(system.t, system.y, system.p))
     at = int(np.argmax(np.abs(values)))
-    return complex(values[at]), system.vector(vectors[:, at].astype(complex)), True
+    return complex(values[at]), system.to_scaled_units(vectors[:, at].astype(complex)), True
 
 
-def _iterated(system: _Scaled) -> tuple[complex, Complex, bool]:
+def _by_arpack(system: _ScaledJacobian) -> tuple[complex, Complex, bool]:
     size = 2 * system.half + system.added
     operator = LinearOperator((size, size), matvec=system.product, dtype=float)
     start = np.concatenate((system.start, system.start, np.zeros(system.added)))
@@ -194,16 +194,16 @@ def _iterated(system: _Scaled) -> tuple[complex, Complex, bool]:
     return complex(0, system.rate), start.astype(complex), False
 
 
-def _alone(A: Collection[Collection[Any]], b: Collection[Any]) -> Growth:
-    """|R(z)| of a Runge-Kutta method, of every motion by itself."""
+def _growth_of_one(A: Collection[Collection[Any]], b: Collection[Any]) -> Growth:
+    """Stability function |R(z)| of a Runge-Kutta method, of every motion by itself."""
     coefficients = stability_polynomial(A, b)
     return lambda z, _: np.asarray(np.abs(np.polyval(coefficients[::-1], z)))
 
 
-def _in_pairs(tableau: Tableau) -> Growth:
-    """The spectral radius of a step of the oscillator that a motion and its partner make up, of a
+def _growth_of_pair(tableau: Tableau) -> Growth:
+    """Spectral radius of a step of the oscillator that a motion and its partner make up, of a
     method that moves positions and velocities unlike."""
-    step = advance(tableau)
+    step = explicit_step(tableau)
 
     def radius(z: Complex, partner: Complex) -> Array:
         square, drag = (z * partner).real, -(z + partner).real
@@ -222,20 +222,25 @@ def _in_pairs(tableau: Tableau) -> Growth:
     return radius
 
 
-def _limits() -> Iterator[tuple[str, Growth]]:
+def _growth_functions() -> Iterator[tuple[str, Growth]]:
     for name, method in METHODS.items():
         tableau = method.tableau
         if tableau:
-            yield name, _in_pairs(tableau) if tableau.follow else _alone(tableau.A, tableau.b)
+            yield (
+                name,
+                _growth_of_pair(tableau)
+                if tableau.follow
+                else _growth_of_one(tableau.A, tableau.b),
+            )
         elif not method.implicit:
             solver = getattr(scipy.integrate, method.scipy)
-            yield name, _alone(solver.A, solver.B)
+            yield name, _growth_of_one(solver.A, solver.B)
 
 
-LIMITS = dict(_limits())
+LIMITS = dict(_growth_functions())
 
 
-def limit(method: str, value: complex, partner: complex | None = None) -> float:
+def step_limit(method: str, value: complex, partner: complex | None = None) -> float:
     """The largest step [s] up to which a method lets no motion of rate lambda [1/s] grow.
 
     partner as in Dominant; not given, the conjugate. A motion that grows by itself is taken as
@@ -260,7 +265,7 @@ def limit(method: str, value: complex, partner: complex | None = None) -> float:
     return float(brentq(excess, grid[beyond - 1], grid[beyond], xtol=1e-12)) / size
 
 
-def largest(method: str, model: ModuleType, t: float, y: Array, p: Array) -> float:
+def largest_stable_step(method: str, model: ModuleType, t: float, y: Array, p: Array) -> float:
     """The largest stable step [s] of a method about a state, by the fastest motion there; infinite
     where there is no limit, 0 where every step is unstable."""
     if method not in LIMITS:
@@ -269,11 +274,11 @@ def largest(method: str, model: ModuleType, t: float, y: Array, p: Array) -> flo
         fastest = dominant(model, t, y, p)
     except StepError:  # the run itself will say so
         return np.inf
-    return limit(method, fastest.value, fastest.partner)
+    return step_limit(method, fastest.value, fastest.partner)
 
 
-def _growth(method: str, step: float, fastest: Dominant) -> float:
-    """By what a step [s] multiplies the fastest motion."""
+def _growth_factor(method: str, step: float, fastest: Dominant) -> float:
+    """Factor by which a step [s] multiplies the fastest motion."""
     roots = (np.asarray(step * root, dtype=complex) for root in (fastest.value, fastest.partner))
     return min(float(LIMITS[method](*roots)), 1e9)
 
@@ -281,7 +286,7 @@ def _growth(method: str, step: float, fastest: Dominant) -> float:
 def step_doubt(
     method: str, step: float, span: float, model: ModuleType, t: float, y: Array, p: Array
 ) -> Note | None:
-    """Return what is wrong with a step [s] of an explicit method at a state, or None.
+    """Return the doubt about a step [s] of an explicit method at a state, or None.
 
     A step beyond the limit by which nothing grows GROWN times within the span [s] will do.
     """
@@ -291,8 +296,8 @@ def step_doubt(
         fastest = dominant(model, t, y, p)
     except StepError:  # the run itself will say so
         return None
-    most = limit(method, fastest.value, fastest.partner)
-    if step <= most or _growth(method, step, fastest) < GROWN ** min(step / span, 1.0):
+    most = step_limit(method, fastest.value, fastest.partner)
+    if step <= most or _growth_factor(method, step, fastest) < GROWN ** min(step / span, 1.0):
         return None
     share = 100 * max(round(fastest.damping, 5), 0.0)  # without the errors of the differences
     motion = (

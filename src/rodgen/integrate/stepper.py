@@ -1,4 +1,4 @@
-"""What a method in Python solves, what it gives to the run, and what its steps cost."""
+"""Interface of steppers, the methods in Python, their initial value problem and its costs."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from typing import Any, ClassVar, Protocol
 import numpy as np
 
 from rodgen.arrays import Array
-from rodgen.scene.integration import Integrate
+from rodgen.scene.integration import IntegrationTable
 
 Rhs = Callable[[float, Array], Array]
 Interpolant = Callable[[Array], Array]
@@ -17,7 +17,7 @@ Interpolant = Callable[[Array], Array]
 
 @dataclass
 class Counts:
-    """Cost of a run so far; None where a method does not tell, see Stats."""
+    """Steps and evaluations so far, as in Stats; rejected is None where a method does not tell."""
 
     nsteps: int = 0
     rejected: int | None = None
@@ -55,20 +55,20 @@ class Stats:
 
     @classmethod
     def of(cls, counts: Counts, seconds: float, target: str = "") -> Stats:
-        """What the steppers have counted, and the wall time."""
+        """Stats from the counts of a run and its time by the clock [s]."""
         return cls(**asdict(counts), wall_seconds=seconds, target=target)
 
 
-def _unbounded(t: float, y: Array) -> float:
+def _no_limit(t: float, y: Array) -> float:
     return np.inf
 
 
 @dataclass(frozen=True)
-class Problem:
-    """What a method in Python solves: y' = rhs(t, y) from (t, y) to the end, as `settings` have it.
+class InitialValueProblem:
+    """Initial value problem of a method in Python: y' = rhs(t, y) from (t, y) to the end.
 
-    jac: Jacobian of rhs by y, (states, states); longest: the longest step [s] at (t, y); added: how
-    many of the states are neither positions nor velocities.
+    settings: method and tolerances; jac: Jacobian of rhs by y, (states, states); longest: the
+    longest step [s] at (t, y); added: how many of the states are neither positions nor velocities.
     """
 
     rhs: Rhs
@@ -76,8 +76,8 @@ class Problem:
     t: float
     y: Array
     end: float
-    settings: Integrate
-    longest: Callable[[float, Array], float] = _unbounded
+    settings: IntegrationTable
+    longest: Callable[[float, Array], float] = _no_limit
     added: int = 0
 
 
@@ -107,14 +107,14 @@ class ChatterError(StepError):
 
 
 class Stepper(Protocol):
-    """A method in Python on its way from one break point to the next."""
+    """Interface of steppers: a method in Python between two break points."""
 
     t: float
     y: Array
 
     @property
     def counts(self) -> Counts:
-        """Cost so far."""
+        """Steps and evaluations so far."""
         ...
 
     def step(self) -> bool:
@@ -122,12 +122,12 @@ class Stepper(Protocol):
         ...
 
     def interpolant(self) -> Interpolant:
-        """States (T, states) at times inside the last step."""
+        """Dense output of the last step: a function from times inside it to states (T, states)."""
         ...
 
 
 def hermite(t0: float, y0: Array, f0: Array, t1: float, y1: Array, f1: Array) -> Interpolant:
-    """Cubic through two states with their rates; exact to the fourth power of the step."""
+    """Cubic Hermite interpolant of two states and their rates; its error is of order 4 in h."""
     h = t1 - t0
 
     def at(times: Array) -> Array:

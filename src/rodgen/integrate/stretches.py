@@ -1,4 +1,4 @@
-"""Stretches of a run: from one time that steps must meet to the next, up to the end or a pole."""
+"""Stretches of a run between times that steps must meet, up to its end or a pole of a load."""
 
 from __future__ import annotations
 
@@ -8,13 +8,13 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from rodgen.errors import InputError
-from rodgen.integrate.events import Watch
-from rodgen.integrate.machine import Machine
-from rodgen.integrate.samples import Recorder
+from rodgen.integrate.events import EventDetector
+from rodgen.integrate.integrator import Integrator
+from rodgen.integrate.recorder import Recorder
 from rodgen.integrate.stepper import StepError
 from rodgen.scene import Scene
-from rodgen.scene.course import Course
 from rodgen.scene.expression import Expression
+from rodgen.scene.time_laws import TimeLaws
 from rodgen.system import System
 
 NEAREST = 64  # roundings of the time before a pole, where steps end: at the pole is no state
@@ -30,41 +30,41 @@ Pole = tuple[float, Expression] | None
 
 @dataclass(frozen=True)
 class Stretches:
-    """Times to step to in the span of a scene, one after the other (ends): break points, and its
-    end, or just before the first pole of a load; swing: the fastest of the loads [s], see
-    Course.swing."""
+    """Times in the span of a scene that steps must meet, ascending (ends): break points, and the
+    end, or a time just before the first pole of a load; swing: half a period of the fastest load
+    [s], see TimeLaws.half_period."""
 
     ends: list[float]
     pole: Pole = None
     swing: float = np.inf
 
     @classmethod
-    def of(cls, course: Course, fixed: bool, more: Iterable[Pulse] = ()) -> Stretches:
-        """fixed: whether steps are all equal; more: pulses besides those of the span."""
+    def of(cls, course: TimeLaws, fixed: bool, more: Iterable[Pulse] = ()) -> Stretches:
+        """Find the stretches of a course; fixed: all steps are equal; more: other pulses."""
         start, end = course.start, course.end
-        breaks, pole, swing = course.breaks(), course.pole(), course.swing()
+        breaks, pole, swing = course.breaks(), course.first_pole(), course.half_period()
         last = pole[0] - NEAREST * float(np.spacing(abs(pole[0]))) if pole else end
         if not fixed:  # what steps that grow in a time of rest would pass over
             # A pulse may rise slowly before its change counts: from its own length earlier on, lest
             # a method whose stages leave out the end of a step pass over what comes before.
             pulses = (*course.pulses(), *more)
             found = (at for begin, peak, over in pulses for at in (2 * begin - over, peak))
-            breaks = _apart(sorted({*breaks, *found}), set(breaks), WAKES * (end - start))
+            breaks = _drop_close(sorted({*breaks, *found}), set(breaks), WAKES * (end - start))
         ends = [*(at for at in breaks if start < at < last), *([last] if last > start else [])]
         return cls(ends, pole, swing)
 
 
-def _apart(times: list[float], kept: set[float], least: float) -> list[float]:
-    """Times without those that are closer than the least to one that is kept."""
+def _drop_close(times: list[float], kept: set[float], least: float) -> list[float]:
+    """Drop the times that are closer than the least to a kept one; kept ones stay."""
     fixed = np.array(sorted(kept))
     return [at for at in times if at in kept or not len(fixed) or np.abs(fixed - at).min() > least]
 
 
-def inside(start: float, end: float) -> tuple[float, float]:
-    """Times at which loads may be asked for their values between start and end.
+def evaluation_bounds(start: float, end: float) -> tuple[float, float]:
+    """Bounds of the times at which loads are evaluated between start and end.
 
-    There a load may jump: each side of it sees its own value. Of a stretch of a few roundings that
-    is the time in the middle.
+    A load may jump at either end: each side of the jump sees its own value. In a stretch of a few
+    roundings both bounds are the time in the middle.
     """
     low, high = float(start + 8 * np.spacing(abs(start))), float(end - 8 * np.spacing(abs(end)))
     return (low, high) if low <= high else (0.5 * (low + high),) * 2
@@ -72,15 +72,15 @@ def inside(start: float, end: float) -> tuple[float, float]:
 
 def step_to(
     end: float,
-    machine: Machine,
+    machine: Integrator,
     recorder: Recorder,
-    watch: Watch,
+    watch: EventDetector,
     budget: int,
     look: Callable[[], None],
 ) -> None:
-    """Step to the end [s] of the stretch that was begun, with samples; look: is called every few
-    hundredths of a second. Raises StepError, also where the budget of steps is used up, and
-    Happened where an event ends the run."""
+    """Step to the end [s] of the present stretch, with samples; look: called every few hundredths
+    of a second. Raises StepError, also where the budget of steps is used up, and EventStop where an
+    event ends the run."""
     seen, least = machine.t, CREEP * (end - machine.t)
     goal = machine.counts.nsteps + STRIDE
     done = False
@@ -99,31 +99,31 @@ def step_to(
 
 
 class Windows:
-    """Stretches of a run without an end: windows as long as the scene's span, one after the other.
+    """Stretches of an open-ended run: windows as long as the scene's span, one after the other.
 
-    What a load does is looked for in one window at a time. origin: where the first begins [s];
-    span: of the present window, stretches: those of it.
+    Loads are looked at in one window at a time. origin: where the first begins [s]; span: of the
+    present window; stretches: in it.
     """
 
     def __init__(self, system: System, origin: float):
         start, end = system.settings.span
-        self._course, self._fixed = system.course, system.settings.fixed
+        self._course, self._fixed = system.time_functions, system.settings.has_fixed_step
         self._origin, self.length = origin, end - start
         # To the bit, lest the first window end beside the span.
         self._first = end if origin == start else origin + self.length
         self._number = -1
-        self._look_at(0)
+        self._move_to(0)
 
-    def after(self, t: float) -> float:
-        """The end of the stretch that begins at a time [s]. Raises StepError at a pole."""
+    def next_end(self, t: float) -> float:
+        """End of the stretch that begins at a time [s]. Raises StepError at a pole."""
         least = t + 4 * float(np.spacing(abs(t)))  # closer, and loads would be asked beyond it
         number = max(0, int((least - self._origin) // self.length))
         # The division may be a rounding beside the borders.
-        number -= number > 0 and self._border(number) > least
-        number += self._border(number + 1) <= least
+        number -= number > 0 and self._window_start(number) > least
+        number += self._window_start(number + 1) <= least
         if number != self._number:
             try:
-                self._look_at(number)
+                self._move_to(number)
             except InputError as error:  # of masses that jump too often there
                 raise StepError(str(error)) from None
         for end in self.stretches.ends:
@@ -131,14 +131,14 @@ class Windows:
                 return end
         raise StepError(UNBOUNDED)
 
-    def _border(self, number: int) -> float:
-        """Where a window begins [s]."""
+    def _window_start(self, number: int) -> float:
+        """Start of a window [s], by its number."""
         return self._first + (number - 1) * self.length if number else self._origin
 
-    def _look_at(self, number: int) -> None:
-        """Take the window of this number."""
+    def _move_to(self, number: int) -> None:
+        """Move to the window of this number, and find its stretches."""
         self._number = number
-        at, over = self.span = self._border(number), self._border(number + 1)
+        at, over = self.span = self._window_start(number), self._window_start(number + 1)
         if not (self._course.loads or self._course.all):
             self.stretches = Stretches([over])
             return
@@ -150,6 +150,6 @@ class Windows:
         self.stretches = Stretches.of(course, self._fixed, across)
 
 
-def window(scene: Scene, start: float, end: float) -> Scene:
-    """The scene with another span, which need not be checked."""
+def with_span(scene: Scene, start: float, end: float) -> Scene:
+    """Scene with another span, which is not validated."""
     return scene.with_settings(scene.integrate.model_copy(update={"span": [start, end]}))

@@ -1,4 +1,4 @@
-"""Samples of a run as plain data, and every quantity that follows from them when asked for."""
+"""Samples of a run as plain data, and the quantities that follow from them, computed on demand."""
 
 from __future__ import annotations
 
@@ -14,10 +14,10 @@ from numpy.typing import NDArray
 
 from rodgen.arrays import Array
 from rodgen.errors import InputError
-from rodgen.integrate.catalogue import Motion, PrincipalAxes, joined
+from rodgen.integrate.quantity_formulas import Motion, PrincipalAxes, stack_parts
 from rodgen.integrate.stepper import Stats
 from rodgen.loading import build, build_fastest
-from rodgen.loading.module import Asked, asked
+from rodgen.loading.generated_module import Asked, call_module
 from rodgen.model.rod import Boundary
 from rodgen.result import Note
 from rodgen.scene import Scene
@@ -33,11 +33,11 @@ class Energy(NamedTuple):
 
     @property
     def total(self) -> Array:
-        """Their sum."""
+        """Sum of the three [J]."""
         return self.kinetic + self.spring + self.gravity
 
 
-class Inertia(NamedTuple):
+class MomentsOfInertia(NamedTuple):
     """Moments of inertia about the x and y axes through the centre of gravity and the product
     of inertia [kg m^2], each (T,)."""
 
@@ -47,7 +47,7 @@ class Inertia(NamedTuple):
 
 
 class Event(NamedTuple):
-    """An event of a run.
+    """An event that happened in a run.
 
     name: as in the scene; t: its time [s]; y: the state then, (states,), in SI units.
 
@@ -70,11 +70,11 @@ class Event(NamedTuple):
 
 
 class ErrorGrowth(NamedTuple):
-    """How fast errors grow in a run. factor: how many times its size a small error in the angles
+    """Growth of small errors in a run. factor: how many times its size a small error in the angles
     has at most, whenever it was made, infinite beyond all doubles; tenfold: time in which it grew
     tenfold, on the average of the run [s], infinite where nothing grew; visible: when an error of
     the size of rtol may have grown to 1e-3 rad and a hundredfold [s], infinite where none has and
-    for fixed steps. Not a number where they could not be found."""
+    for fixed steps. Not-a-number where they could not be found."""
 
     factor: float
     tenfold: float
@@ -83,19 +83,19 @@ class ErrorGrowth(NamedTuple):
 
 @dataclass(frozen=True)
 class Changes:
-    """What held at each of T samples. p: parameters of the module, (T, parameters); given: energy
-    [J] that changes and kicks have put in since the start, (T,)."""
+    """Values at each of T samples of a run that was changed. p: parameters of the module, (T,
+    parameters); given: energy [J] that changes and kicks have put in since the start, (T,)."""
 
     p: Array
     given: Array
 
-    def taken(self, kept: NDArray[np.intp] | slice) -> Changes:
-        """What held at some of the samples."""
+    def isel(self, kept: NDArray[np.intp] | slice) -> Changes:
+        """Values at some of the samples."""
         return Changes(self.p[kept], self.given[kept])
 
-    def follow(self, made: Callable[..., Any], of: Sequence[Array]) -> Any:
-        """What is made of arrays over the samples and of p, which is one for each call: between
-        two changes of it; an array (T, ...), or several by name."""
+    def call_piecewise(self, made: Callable[..., Any], of: Sequence[Array]) -> Any:
+        """Call a function on slices of arrays over the samples between two changes of p, and on p
+        there, and join the results: an array (T, ...), or several by name."""
         changed = np.any(self.p[1:] != self.p[:-1], axis=1)
         edges = [0, *(np.flatnonzero(changed) + 1), len(self.p)]
         parts = [
@@ -106,8 +106,8 @@ class Changes:
         return np.concatenate(parts)
 
 
-class _Module:
-    """The module of a run's samples: that of its run, or one that is built when it is asked for."""
+class _LazyModule:
+    """Descriptor of the module of a run: the one given, or one that is built on first use."""
 
     def __get__(self, trajectory: Trajectory | None, _: object = None) -> ModuleType:
         if trajectory is None:
@@ -125,9 +125,8 @@ class _Module:
 
 @dataclass(repr=False)
 class Trajectory(Motion):
-    """Samples of a run and how it went, with the quantities of every sample: what a Solution holds,
-    see there.
-    """
+    """Samples of a run and how it went, with the quantities of every sample: the fields of a
+    Solution."""
 
     system: System
     t: Array
@@ -136,14 +135,14 @@ class Trajectory(Motion):
     stats: Stats
     status: str = "finished"
     message: str = ""
-    model: _Module = _Module()
+    model: _LazyModule = _LazyModule()
     events: tuple[Event, ...] = ()
     changes: Changes | None = None
     errors: ErrorGrowth | None = None
     run_notes: tuple[Note, ...] = ()
 
     def __getstate__(self) -> dict[str, Any]:
-        """What cannot be made again: neither the module nor what follows from the states."""
+        """Fields for pickling: neither the module nor what follows from the states."""
         kept = {field.name for field in fields(self)} | {"energy_error"}  # which `load` may know
         return {k: v for k, v in self.__dict__.items() if k in kept} | {"model": None}
 
@@ -153,45 +152,45 @@ class Trajectory(Motion):
         return self.system.scene
 
     @cached_property
-    def hold(self) -> Boundary:
-        """How the start of the rod is held."""
-        return self.system.hold
+    def boundary_condition(self) -> Boundary:
+        """Boundary of the rod: how its start is held."""
+        return self.system.boundary_condition
 
     @cached_property
-    def added(self) -> tuple[str, ...]:
+    def extra_states(self) -> tuple[str, ...]:
         """Names of the states that are neither positions nor velocities."""
-        return self.system.added
+        return self.system.extra_states
 
     @cached_property
-    def follows(self) -> bool:
+    def has_feedback(self) -> bool:
         """Whether the module has sensors or loads that follow the motion."""
-        return self.system.structure.follows
+        return self.system.structure.has_feedback
 
     @cached_property
-    def timed(self) -> Mapping[str, Callable[[Any], Any]]:
+    def time_laws(self) -> Mapping[str, Callable[[Any], Any]]:
         """Loads that change with time, by the names of their parameters, each a function of the
         time [s]."""
-        return self.system.timed
+        return self.system.time_laws
 
     @cached_property
-    def given(self) -> Array | float:
+    def energy_input(self) -> Array | float:
         """Energy that changes and kicks have put in since the start [J], (T,) or a number."""
         return 0.0 if self.changes is None else self.changes.given
 
-    def called(self, function: str | Asked, *arrays: Array) -> Any:
-        """What a function of the module makes of every sample and of the parameters then: an array,
-        (T, parts) where it makes several, or a dictionary of arrays by term.
+    def evaluate(self, function: str | Asked, *arrays: Array) -> Any:
+        """Call a function of the module on every sample and the parameters then: an array, (T,
+        parts) of several results, or a dictionary of arrays by term.
 
-        function: its name, or one of the functions that ask for it; arrays: what it takes between
-        the time and the parameters, such as the states, in SI units.
+        function: its name, or a function that calls it; arrays: arguments between the time and the
+        parameters, such as the states, in SI units.
         """
 
         def made(t: Array, *of: Array) -> Any:
-            return joined(asked(self.model, function, t, *of))
+            return stack_parts(call_module(self.model, function, t, *of))
 
         if self.changes is None:
             return made(self.t, *arrays, self.system.p)
-        return self.changes.follow(made, (self.t, *arrays))
+        return self.changes.call_piecewise(made, (self.t, *arrays))
 
     def parameter(self, name: str) -> Array:
         """A parameter of the module at every sample, (T,) in SI units; of several numbers, (T, K).
@@ -200,10 +199,10 @@ class Trajectory(Motion):
         """
         structure = self.system.structure
         if self.changes is None:
-            value = np.array(self.system.values(name), dtype=float)
+            value = np.array(self.system.value(name), dtype=float)
             return np.full((len(self.t), *value.shape), value)
-        place = structure.places[name]
-        columns: Array = self.changes.p[:, place if name in structure.spans else place.start]
+        place = structure.slices[name]
+        columns: Array = self.changes.p[:, place if name in structure.index_ranges else place.start]
         return columns
 
     @property
@@ -245,9 +244,9 @@ class Trajectory(Motion):
         return forces
 
     @property
-    def inertia(self) -> Inertia:
+    def inertia(self) -> MomentsOfInertia:
         """Moments and product of inertia about the centre of gravity [kg m^2]."""
-        return Inertia(*np.moveaxis(self.values("inertia"), -1, 0))
+        return MomentsOfInertia(*np.moveaxis(self.values("inertia"), -1, 0))
 
     @property
     def principal_axes(self) -> PrincipalAxes:
@@ -268,8 +267,8 @@ class Trajectory(Motion):
 
     @property
     def energy_balance(self) -> Array:
-        """Energy gained since the start less the work done, and less what changes have put in [J],
-        (T,): zero but for errors."""
+        """Energy gained since the start, less the work done and what changes and kicks have put in
+        [J], (T,): zero but for errors."""
         return self._array("energy_balance")
 
     def _array(self, name: str) -> Array:
@@ -280,7 +279,7 @@ class Trajectory(Motion):
     def start_energy(self) -> float:
         """Energy at the start of the run [J]: that of the first sample, less the work done until
         then where samples need not begin at the start; zero without samples."""
-        first = self.taken(slice(1))
+        first = self.isel(slice(1))
         first.start_energy = 0.0
         late = self.scene.integrate.t_eval is not None
         return float((first.energy_balance if late else first.energy.total).sum())
@@ -292,7 +291,7 @@ class Trajectory(Motion):
 
     @property
     def error_growth(self) -> float:
-        """How many times its size a small error in the angles has at most by the end of the run,
+        """Factor by which a small error in the angles has grown at most by the end of the run,
         dimensionless: large where a run is chaotic, and its late angles are not to be trusted.
 
         Raises InputError unless `simulate` was asked for it.
@@ -301,22 +300,22 @@ class Trajectory(Motion):
             raise InputError("error_growth", None, "asked for: simulate(..., error_growth=True)")
         return self.errors.factor
 
-    def until(self, count: int) -> Self:
-        """The run with its first samples alone.
+    def head(self, count: int) -> Self:
+        """First samples of the run, with the events up to the last of them.
 
         count: how many samples.
         """
-        first = self.taken(slice(count))
+        first = self.isel(slice(count))
         end = first.t[-1] if len(first.t) else -np.inf
         first.events = tuple(event for event in self.events if event.t <= end)
         return first
 
-    def taken(self, kept: NDArray[np.intp] | slice) -> Self:
-        """The run with some of its samples alone, and without events.
+    def isel(self, kept: NDArray[np.intp] | slice) -> Self:
+        """Some samples of the run, without events.
 
         kept: their indices, or a slice.
         """
         work = {term: values[kept] for term, values in self.work.items()}
-        changes = self.changes and self.changes.taken(kept)
+        changes = self.changes and self.changes.isel(kept)
         rest = {"work": work, "events": (), "changes": changes, "model": self.__dict__["model"]}
         return replace(self, t=self.t[kept], y=self.y[kept], **rest)

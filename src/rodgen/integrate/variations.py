@@ -1,4 +1,4 @@
-"""Motions with tangents: how small changes of a state go on with its motion, to first order.
+"""Variational equations: a motion with tangents, the small changes of a state to first order.
 
 The tangents V obey dV/dt = J(t, y) V along the motion y, by the exact derivatives of the equations.
 They are integrated by the very stages that the motion is, outside of the error control: the motion
@@ -18,16 +18,16 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from rodgen.arrays import Array
-from rodgen.integrate.events import OFTEN, SHORT, Watch
-from rodgen.integrate.methods.compiled import FAILURES, FIRST, MOST, SLICE
+from rodgen.integrate.events import OFTEN, SHORT, EventDetector
+from rodgen.integrate.methods.compiled_integrator import FAILURES, FIRST, MOST, SLICE
 from rodgen.integrate.stepper import ChatterError, StepError
-from rodgen.integrate.stretches import Stretches, inside
+from rodgen.integrate.stretches import Stretches, evaluation_bounds
 from rodgen.loading import build_fastest
 from rodgen.model.methods import COLLOCATION, EITHER, TABLEAUX
-from rodgen.native import run
+from rodgen.native import native_run
 from rodgen.scene import Scene
-from rodgen.scene.course import Switch
-from rodgen.scene.integration import Integrate
+from rodgen.scene.integration import IntegrationTable
+from rodgen.scene.time_laws import Switch
 
 PARTS = ("rhs", "tangents")  # of a module
 # Whose steps take tangents along: those in which every state moves alike.
@@ -38,10 +38,10 @@ METHODS = (
 
 
 @dataclass(frozen=True)
-class Steps:
-    """How steps are taken: by a method of METHODS, with a fixed step [s] or tolerances; breaks:
-    times [s], ascending, that steps meet; longest: step [s] of a method that chooses its own;
-    switches: where laws of the motion switch."""
+class StepSettings:
+    """Settings of steps: a method of METHODS, with a fixed step [s] or tolerances; breaks: times
+    [s], ascending, that steps meet; longest: step [s] of a method that chooses its own; switches:
+    where laws of the motion switch."""
 
     method: str = "dop853"
     step: float = 0.0
@@ -52,19 +52,19 @@ class Steps:
     switches: Sequence[Switch] = ()
 
     @classmethod
-    def of(cls, scene: Scene) -> Steps:
-        """Those of a scene in its span; by dop853 where its method takes no tangents along."""
-        settings: Integrate = scene.integrate
+    def of(cls, scene: Scene) -> StepSettings:
+        """Settings of a scene in its span; dop853 where its method takes no tangents along."""
+        settings: IntegrationTable = scene.integrate
         method = settings.method if settings.method in METHODS else "dop853"
-        stretches = Stretches.of(scene.course, settings.fixed)
+        stretches = Stretches.of(scene.time_functions, settings.has_fixed_step)
         step = settings.step if settings.step is not None and method == settings.method else 0.0
-        tolerances = settings.model_copy(update={"method": method}).per_step
-        switches = () if settings.fixed else scene.course.switches()
+        tolerances = settings.model_copy(update={"method": method}).step_tolerances
+        switches = () if settings.has_fixed_step else scene.time_functions.switches()
         return cls(method, step, *tolerances, stretches.ends, stretches.swing, switches)
 
 
-class _Machine(Protocol):
-    """What takes the steps; row: y and V, rates: of these, as they are kept."""
+class _TangentIntegrator(Protocol):
+    """Interface of integrators of a motion with its tangents."""
 
     @property
     def t(self) -> float: ...
@@ -79,7 +79,7 @@ class _Machine(Protocol):
     def tangent_rates(self) -> Array: ...
 
     @property
-    def taken(self) -> tuple[int, int]: ...
+    def counts(self) -> tuple[int, int]: ...
 
     def begin(self, end: float, low: float, high: float, longest: float) -> None: ...
 
@@ -87,7 +87,7 @@ class _Machine(Protocol):
 
 
 class Variations:
-    """A motion on its way, with its tangents (count, states).
+    """Integrator of a motion with its tangents (count, states).
 
     t [s], y (states,) and tangents are where it is; counts: steps and evaluations so far. In C
     where the module is, else by SciPy's DOP853.
@@ -100,10 +100,10 @@ class Variations:
         t: float,
         y: ArrayLike,
         tangents: ArrayLike,
-        steps: Steps | None = None,
+        steps: StepSettings | None = None,
     ):
-        """At the state y at time t [s]. Raises ValueError for arrays of other shapes."""
-        self._model, self._steps = model, steps or Steps()
+        """Start from the state y at time t [s]. Raises ValueError for arrays of other shapes."""
+        self._model, self._steps = model, steps or StepSettings()
         self._p = np.array(p, dtype=float)
         y = np.array(y, dtype=float)
         self._shape = np.shape(tangents)
@@ -112,9 +112,11 @@ class Variations:
             raise ValueError(f"tangents have shape {self._shape}: must be {allowed}")
         kind = _InC if hasattr(model, "VARIATIONS") else _InPython
         with np.errstate(all="ignore"):
-            self._machine: _Machine = kind(model, self._p, t, y, np.array(tangents), self._steps)
+            self._machine: _TangentIntegrator = kind(
+                model, self._p, t, y, np.array(tangents), self._steps
+            )
         self._window, self._goal, self._quota = (t, t), np.nan, FIRST
-        self._watch = Watch((), model, self._p, self._steps.switches)
+        self._watch = EventDetector((), model, self._p, self._steps.switches)
         self._first = self._since = t  # start, and a time [s] with the steps up to it
         self._before = 0
 
@@ -128,14 +130,14 @@ class Variations:
         t: float | None = None,
         y: ArrayLike | None = None,
     ) -> Variations:
-        """Those of a scene from its start, or from y at t; tangents: if not given, in all
+        """Variations of a scene from its start, or from y at t; tangents: by default in all
         directions of the state."""
         model = model if model is not None else build_fastest(scene, PARTS)
         y = scene.initial_state() if y is None else np.asarray(y, dtype=float)
         start = scene.integrate.span[0] if t is None else t
         tangents = np.eye(len(y)) if tangents is None else tangents
         p = model.parameters(**scene.parameters)
-        return cls(model, p, start, y, tangents, Steps.of(scene))
+        return cls(model, p, start, y, tangents, StepSettings.of(scene))
 
     @property
     def t(self) -> float:
@@ -151,7 +153,7 @@ class Variations:
 
     @tangents.setter
     def tangents(self, tangents: ArrayLike) -> None:
-        """Go on with others, along the same motion."""
+        """Go on with other tangents, along the same motion."""
         v = np.array(tangents, dtype=float).reshape(self._shape)
         self._machine.tangents[:] = v
         low, high = self._window
@@ -160,10 +162,10 @@ class Variations:
 
     @property
     def counts(self) -> tuple[int, int]:
-        """Steps, and evaluations of the rates."""
-        return self._machine.taken
+        """Numbers of steps and of evaluations of the rates."""
+        return self._machine.counts
 
-    def on(self, end: float, most: int | None = None) -> bool:
+    def advance_to(self, end: float, most: int | None = None) -> bool:
         """Go on to a time [s], or for at most so many steps towards it; True where it is reached.
         Raises StepError where the motion cannot go on."""
         left = MOST if most is None else most
@@ -171,21 +173,21 @@ class Variations:
             while self.t < end:
                 if left <= 0:
                     return False
-                left -= self._some(end, left)
+                left -= self._take_steps(end, left)
         return True
 
-    def _some(self, end: float, most: int) -> int:
-        """Some steps, for a few hundredths of a second; how many they were."""
+    def _take_steps(self, end: float, most: int) -> int:
+        """Take steps for a few hundredths of a second, and return how many they were."""
         t, before = self.t, self.counts[0]
         goal = min((at for at in self._steps.breaks if t < at < end), default=end)
         if goal != self._goal:
-            self._goal, self._window = goal, inside(t, goal)
+            self._goal, self._window = goal, evaluation_bounds(t, goal)
             self._machine.begin(goal, *self._window, self._steps.longest)
         start = time.perf_counter()
         try:
             reached = self._machine.advance(min(self._quota, most))
         except StepError:
-            self._look_for_chatter()
+            self._check_chatter()
             raise
         if reached:
             self._goal = np.nan
@@ -194,34 +196,37 @@ class Variations:
             change = min(4.0, max(0.25, SLICE / max(took, 1e-9)))
             self._quota = int(min(MOST, max(1, self._quota * change)))
         if self.counts[0] - self._before >= OFTEN:
-            if self.t - self._since < OFTEN * SHORT * self._way:
-                self._look_for_chatter()
+            if self.t - self._since < OFTEN * SHORT * self._stretch_length:
+                self._check_chatter()
             self._since, self._before = self.t, self.counts[0]
         return self.counts[0] - before
 
     @property
-    def _way(self) -> float:
-        """Length of the stretch between breaks [s], as of a run: by that of a part of it, nothing
-        would tell steps that get nowhere."""
+    def _stretch_length(self) -> float:
+        """Length of the stretch between breaks [s]: of the whole of it, as in a part of it steps
+        that get nowhere would not show."""
         ends = [*self._steps.breaks, self._window[1]]
         start = max((at for at in ends if at <= self.t), default=self._first)
         return min((at for at in ends if at > self.t), default=self._window[1]) - start
 
-    def _look_for_chatter(self) -> None:
-        """Raise ChatterError where steps bring next to nothing since a law switches to and fro."""
+    def _check_chatter(self) -> None:
+        """Raise ChatterError where steps get next to nowhere since a law switches to and fro."""
         for number in range(len(self._watch.events)):
-            if self._watch.slides(number, self.t, self.y, self._way) <= SHORT * self._way:
+            if (
+                self._watch.time_to_sliding(number, self.t, self.y, self._stretch_length)
+                <= SHORT * self._stretch_length
+            ):
                 raise ChatterError(self._watch.cause(number))
 
 
 class _InC:
-    """Steps of the module's own."""
+    """Integrator in C, by steps of the module."""
 
     def __init__(
-        self, model: ModuleType, p: Array, t: float, y: Array, tangents: Array, steps: Steps
+        self, model: ModuleType, p: Array, t: float, y: Array, tangents: Array, steps: StepSettings
     ):
         count, states = tangents.shape
-        kind = run.with_tangents(model.VARIATIONS, count)
+        kind = native_run.with_tangents(model.VARIATIONS, count)
         equal = steps.step > 0 and steps.method in EITHER
         method = f"{steps.method}_equal_steps" if equal else steps.method
         self._run = kind(method, t, y, p, steps.step, steps.rtol, steps.atol)
@@ -241,27 +246,27 @@ class _InC:
         return state
 
     @property
-    def taken(self) -> tuple[int, int]:
+    def counts(self) -> tuple[int, int]:
         return self._run.numbers.steps, self._run.numbers.rhs
 
     def begin(self, end: float, low: float, high: float, longest: float) -> None:
-        self._judge(self._run.begin(end, low, high, longest))
+        self._check_status(self._run.begin(end, low, high, longest))
 
     def advance(self, most: int) -> bool:
-        status, _ = self._run.on(most, np.empty(0), np.empty((0, len(self._run.state))))
-        return self._judge(status)
+        status, _ = self._run.advance(most, np.empty(0), np.empty((0, len(self._run.state))))
+        return self._check_status(status)
 
-    def _judge(self, status: int) -> bool:
+    def _check_status(self, status: int) -> bool:
         if status in FAILURES:
             raise StepError(f"{FAILURES[status]} at t = {self.t:.9g} s")
-        return bool(status == run.STATUSES["REACHED"])
+        return bool(status == native_run.STATUSES["REACHED"])
 
 
 class _InPython:
-    """Steps of SciPy's DOP853, where there is no compiler."""
+    """Integrator by SciPy's DOP853, where there is no compiler."""
 
     def __init__(
-        self, model: ModuleType, p: Array, t: float, y: Array, tangents: Array, steps: Steps
+        self, model: ModuleType, p: Array, t: float, y: Array, tangents: Array, steps: StepSettings
     ):
         self._model, self._p, self._steps = model, p, steps
         self._shape, self.t, self._count = tangents.shape, t, [0, 0]
@@ -283,7 +288,7 @@ class _InPython:
         return self._rates[self._shape[1] :].reshape(self._shape)
 
     @property
-    def taken(self) -> tuple[int, int]:
+    def counts(self) -> tuple[int, int]:
         return self._count[0], self._count[1]
 
     def _flow(self, t: float, row: Array) -> Array:
@@ -313,7 +318,7 @@ class _InPython:
             self.t = float(self._solver.t)
             self._count[0] += 1
             if self._solver.status == "failed" or not np.isfinite(self._rates).all():
-                why = message or FAILURES[run.STATUSES["NOT_FINITE"]]
+                why = message or FAILURES[native_run.STATUSES["NOT_FINITE"]]
                 raise StepError(f"{why} at t = {self.t:.9g} s")
             if self._solver.status == "finished":
                 return True

@@ -18,23 +18,23 @@ ALIKE = "abs", "min", "max"  # functions whose value is of the kind of what they
 
 
 def unit_of(text: str, units: Mapping[str, str]) -> str | None:
-    """The unit of an expression in the grammar of scenes, empty for a plain number; None where none
-    follows, as where unlike units are added. units: of what it names, as far as they are known."""
+    """Unit of an expression in the grammar of scenes, empty for a plain number; None where none
+    follows, as where unlike units are added. units: of its names, as far as known."""
     tree = parse(text, "expression")
-    known = {name: _read(unit) for name, unit in units.items()}
+    known = {name: _parse_unit(unit) for name, unit in units.items()}
     found = None if tree is None else _unit(tree, known)
-    return None if found is None else _written(found)
+    return None if found is None else _format_unit(found)
 
 
 def rate_of(unit: str) -> str:
-    """The unit of the derivative by time of what has a unit."""
-    return _written(_times(_read(unit), {"s": 1}, -1))
+    """Unit of the time derivative of a quantity, from its unit."""
+    return _format_unit(_multiply(_parse_unit(unit), {"s": 1}, -1))
 
 
 def _unit(node: ast.expr, units: Mapping[str, Powers]) -> Powers | None:
-    """Of a part of an expression; None: it is not known."""
+    """Unit of a part of an expression; None where it is not known."""
 
-    def of(part: ast.expr) -> Powers | None:
+    def part_unit(part: ast.expr) -> Powers | None:
         return _unit(part, units)
 
     match node:
@@ -43,21 +43,21 @@ def _unit(node: ast.expr, units: Mapping[str, Powers]) -> Powers | None:
         case ast.Name(id=name):
             return units.get(name)
         case ast.UnaryOp(operand=part):
-            return of(part)
+            return part_unit(part)
         case ast.BinOp(left=left, op=ast.Add() | ast.Sub(), right=right):
-            return _common((left, right), units)
+            return _common_unit((left, right), units)
         case ast.BinOp(left=base, op=ast.Pow(), right=power):
-            return _raised(of(base), power)
+            return _power(part_unit(base), power)
         case ast.BinOp(left=left, op=op, right=right):
-            if (first := of(left)) is None or (second := of(right)) is None:
+            if (first := part_unit(left)) is None or (second := part_unit(right)) is None:
                 return None
-            return _times(first, second, 1 if isinstance(op, ast.Mult) else -1)
+            return _multiply(first, second, 1 if isinstance(op, ast.Mult) else -1)
         case ast.IfExp(body=body, orelse=other):
-            return _common((body, other), units)
+            return _common_unit((body, other), units)
         case ast.Call(func=ast.Name(id=name), args=parts) if name in ALIKE:
-            return _common(parts, units)
+            return _common_unit(parts, units)
         case ast.Call(func=ast.Name(id="sqrt"), args=[part]):
-            found = of(part)
+            found = part_unit(part)
             if found is None or any(power % 2 for power in found.values()):
                 return None
             return {key: power // 2 for key, power in found.items()}
@@ -66,15 +66,17 @@ def _unit(node: ast.expr, units: Mapping[str, Powers]) -> Powers | None:
     return {}
 
 
-def _common(parts: Iterable[ast.expr], units: Mapping[str, Powers]) -> Powers | None:
-    """The unit that all parts have, but for plain numbers, which may have any."""
+def _common_unit(parts: Iterable[ast.expr], units: Mapping[str, Powers]) -> Powers | None:
+    """Unit that all parts share, plain numbers aside, which may have any; None for unlike ones."""
     found = [_unit(part, units) for part in parts if set(names_in(part)) - {"pi"}]
     known = [one for one in found if one is not None]
-    alike = len(known) == len(found) and all(_meant(one) == _meant(known[0]) for one in known)
+    alike = len(known) == len(found) and all(
+        _base_units(one) == _base_units(known[0]) for one in known
+    )
     return (known or [{}])[0] if alike else None
 
 
-def _raised(base: Powers | None, power: ast.expr) -> Powers | None:
+def _power(base: Powers | None, power: ast.expr) -> Powers | None:
     if not base:
         return base
     match power:
@@ -85,29 +87,29 @@ def _raised(base: Powers | None, power: ast.expr) -> Powers | None:
     return None
 
 
-def _times(first: Powers, second: Powers, sign: int) -> Powers:
+def _multiply(first: Powers, second: Powers, sign: int) -> Powers:
     powers = {key: first.get(key, 0) + sign * second.get(key, 0) for key in {**first, **second}}
     return {key: power for key, power in powers.items() if power}
 
 
-def _meant(powers: Powers) -> Powers:
+def _base_units(powers: Powers) -> Powers:
     found: Powers = {}
     for symbol, power in powers.items():
-        stands = _read(MEANT[symbol]) if symbol in MEANT else {symbol: 1}
-        found = _times(found, {key: times * power for key, times in stands.items()}, 1)
+        stands = _parse_unit(MEANT[symbol]) if symbol in MEANT else {symbol: 1}
+        found = _multiply(found, {key: times * power for key, times in stands.items()}, 1)
     return found
 
 
-def _read(unit: str) -> Powers:
+def _parse_unit(unit: str) -> Powers:
     above, _, below = unit.partition("/")
     found: Powers = {}
     for text, sign in ((above, 1), (below, -1)):
         for symbol, power in SYMBOL.findall(text):
-            found = _times(found, {symbol: int(power.translate(LOW) or 1)}, sign)
+            found = _multiply(found, {symbol: int(power.translate(LOW) or 1)}, sign)
     return found
 
 
-def _written(powers: Powers) -> str:
+def _format_unit(powers: Powers) -> str:
     def product(sign: int) -> str:
         return " ".join(
             symbol + (str(abs(power)).translate(HIGH) if abs(power) > 1 else "")

@@ -1,4 +1,4 @@
-"""A scene to a live module: emitted if it is not in the cache yet, then loaded."""
+"""Builder of the module of a scene: emitted if it is not in the cache yet, then loaded."""
 
 from __future__ import annotations
 
@@ -13,13 +13,13 @@ from itertools import chain
 from types import ModuleType
 from typing import Any
 
-from rodgen.emit.targets import check_output, closed, offered, target_of
+from rodgen.emit.targets import available_parts, check_output, required_parts, target_of
 from rodgen.errors import InputError, check_type
 from rodgen.loading import cache
-from rodgen.loading.module import Model, load_files, structure_of
-from rodgen.native import many, run
-from rodgen.native.library import BuildError, end_compilers, surroundings
-from rodgen.progress import COMPILING, DERIVING, tell, working
+from rodgen.loading.generated_module import Model, load_files, structure_of
+from rodgen.native import native_batch, native_run
+from rodgen.native.library import BuildError, build_environment, end_compilers
+from rodgen.progress import COMPILING, DERIVING, report_stage, show_work
 from rodgen.scene import Scene, Structure
 
 # The dense form holds a few matrices of this many links squared.
@@ -74,49 +74,51 @@ def build(
     """
     structure, parts = _structure(scene), tuple(parts)
     check_output(target, form)
-    closed(target, parts)
+    required_parts(target, parts)
     if form == "dense" and structure.links > MOST_DENSE_LINKS:
         allowed = f"at most {MOST_DENSE_LINKS} in the dense form: it holds links^2 numbers"
         raise InputError("rod.links", structure.links, allowed)
     # What a C module is compiled by belongs to it, and so does where it would be kept.
-    model = _model(structure, target, form, surroundings())
+    model = _empty_model(structure, target, form, build_environment())
     model.make(parts)
     return model
 
 
-def _recipe(module: Model) -> tuple[Any, ...]:
-    """What a module is pickled as: how it is built again."""
+def _reduce(module: Model) -> tuple[Any, ...]:
+    """Reduce a module for pickling to the call that builds it again."""
     return build, (structure_of(module), module.PROVENANCE["target"], module.PROVENANCE["form"])
 
 
-copyreg.pickle(Model, _recipe)
+copyreg.pickle(Model, _reduce)
 
 
 @lru_cache(maxsize=16)
-def _model(structure: Structure, target: str, form: str, around: tuple[str | None, ...]) -> Model:
-    """A module that is loaded once in a process, with no part of it yet."""
+def _empty_model(
+    structure: Structure, target: str, form: str, around: tuple[str | None, ...]
+) -> Model:
+    """Module that is loaded once in a process, without parts at first."""
 
-    def more(parts: Iterable[str]) -> dict[str, Mapping[str, Any]]:
-        with working("generating"):
+    def make_parts(parts: Iterable[str]) -> dict[str, Mapping[str, Any]]:
+        with show_work("generating"):
             return _load(structure, target, form, tuple(parts))
 
-    return Model(structure.module_stem(target, form), more)
+    return Model(structure.module_stem(target, form), make_parts)
 
 
 def _load(
     structure: Structure, target: str, form: str, parts: tuple[str, ...]
 ) -> dict[str, Mapping[str, Any]]:
-    """Namespaces of parts: while one is compiled, the next is derived."""
+    """Load namespaces of parts: while one is compiled, the next is derived."""
     making: dict[str, Future[ModuleType]] = {}
     steps: Future[Any] | None = None
     with ThreadPoolExecutor() as pool:
         try:
-            steps = pool.submit(run.step_library) if "flow" in parts else None
+            steps = pool.submit(native_run.step_library) if "flow" in parts else None
             for part in parts:
                 texts = _texts(structure, target, form, (part,))
                 making[part] = pool.submit(load_files, texts, whole=False)
             if target_of(target).compiled:
-                tell(COMPILING)
+                report_stage(COMPILING)
             made: dict[str, Mapping[str, Any]] = {
                 part: vars(module.result()) for part, module in making.items()
             }
@@ -134,17 +136,19 @@ def _load(
 
 def build_fastest(scene: Scene | Structure, parts: Iterable[str] = ("rhs",)) -> ModuleType:
     """The C module of a scene where it can be built, else its NumPy module."""
-    return fastest(scene, parts)[0]
+    return build_or_explain(scene, parts)[0]
 
 
-def fastest(scene: Scene | Structure, parts: Iterable[str] = ("rhs",)) -> tuple[ModuleType, str]:
-    """The C module of a scene and nothing, or where it cannot be built its NumPy module and why, in
-    a line."""
+def build_or_explain(
+    scene: Scene | Structure, parts: Iterable[str] = ("rhs",)
+) -> tuple[ModuleType, str]:
+    """C module of a scene and "", or where it cannot be built its NumPy module and the reason, in
+    one line."""
     parts = tuple(parts)
     try:
         return build(scene, "c", parts=parts), ""
     except BuildError as error:
-        kept = [part for part in parts if part in offered("numpy")] or ["rhs"]
+        kept = [part for part in parts if part in available_parts("numpy")] or ["rhs"]
         return build(scene, "numpy", parts=kept), str(error).partition("\n")[0]
 
 
@@ -162,15 +166,15 @@ def sources(
     """
     structure = _structure(scene)
     check_output(target, form)
-    return _texts(structure, target, form, closed(target, parts, steps), steps)
+    return _texts(structure, target, form, required_parts(target, parts, steps), steps)
 
 
 # Step loops that parts of a compiled module call, and what calls them in Python.
 LOOPS = {
-    "flow": ("run.py", *run.FILES),
-    "newton": ("run.py", *run.FILES),
-    "tangents": ("run.py", *run.FILES),
-    "lanes": ("run.py", "many.py", *many.FILES),
+    "flow": ("native_run.py", *native_run.FILES),
+    "newton": ("native_run.py", *native_run.FILES),
+    "tangents": ("native_run.py", *native_run.FILES),
+    "lanes": ("native_run.py", "native_batch.py", *native_batch.FILES),
 }
 
 
@@ -184,9 +188,9 @@ def companions(
     """
     if not target_of(target).compiled:
         return {}
-    loops = (LOOPS.get(part, ()) for part in closed(target, parts, steps))
+    loops = (LOOPS.get(part, ()) for part in required_parts(target, parts, steps))
     names = dict.fromkeys(
-        ("__init__.py", "library.py", "functions.py", *chain.from_iterable(loops))
+        ("__init__.py", "library.py", "function_pointers.py", *chain.from_iterable(loops))
     )
     folder = files("rodgen.native")
     return {f"rodgen_native/{name}": folder.joinpath(name).read_text("utf-8") for name in names}
@@ -200,7 +204,7 @@ def _texts(
     entry = ("modules", made_of, f"{stem}.json")
     texts = _recall(cache.read_text(*entry))
     if texts is None:
-        tell(DERIVING)
+        report_stage(DERIVING)
         from rodgen.emit import module_files  # SymPy is imported only where it is needed
 
         texts = module_files(structure, target, form, parts, steps)
@@ -209,7 +213,7 @@ def _texts(
 
 
 def _structure(scene: Scene | Structure) -> Structure:
-    """What the module of a scene is specialised to. Raises TypeError for what has no structure."""
+    """Structure that the module of a scene is specialised to. Raises TypeError for others."""
     if isinstance(scene, Structure):
         return scene
     check_type("scene", scene, Scene, Structure, see="Scene.from_toml")

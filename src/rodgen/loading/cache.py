@@ -57,8 +57,8 @@ _noted: ContextVar[dict[tuple[str, ...], str] | None] = ContextVar("noted", defa
 
 
 @contextmanager
-def noted() -> Iterator[dict[tuple[str, ...], str]]:
-    """Texts that are read or stored inside, by their entries."""
+def record_texts() -> Iterator[dict[tuple[str, ...], str]]:
+    """Record the texts that are read or stored inside the context, by their entries."""
     entries: dict[tuple[str, ...], str] = {}
     token = _noted.set(entries)
     try:
@@ -67,7 +67,7 @@ def noted() -> Iterator[dict[tuple[str, ...], str]]:
         _noted.reset(token)
 
 
-def _note(text: str, *parts: str) -> None:
+def _record(text: str, *parts: str) -> None:
     entries = _noted.get()
     if entries is not None:
         entries[parts] = text
@@ -83,12 +83,12 @@ def read_text(*parts: str) -> str | None:
     digest, _, text = stored.partition("\n")
     if digest != _digest(text):
         return None
-    _note(text, *parts)
+    _record(text, *parts)
     return text
 
 
 def _folders(root: Path, path: Path) -> list[Path]:
-    """Those between the root of the cache and a file in it, the outer first. Raises OSError where
+    """Folders between the root of the cache and a file in it, the outer first. Raises OSError where
     others can write into the root."""
     if not is_ours(root.stat(), ROOT_OTHERS):
         raise PermissionError(root)
@@ -108,7 +108,7 @@ def _own_text(root: Path, parts: tuple[str, ...]) -> str:
 def store_text(text: str, *parts: str) -> bool:
     """Write an entry whole or not at all, for this user alone; False if the cache cannot be
     written."""
-    _note(text, *parts)
+    _record(text, *parts)
     try:
         root = cache_root()
         path = root.joinpath(*parts)

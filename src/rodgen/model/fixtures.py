@@ -1,5 +1,5 @@
-"""What a scene fixes to a rod or adds to it: the numbers of these tables, which reach its module in
-another form, as those of links, of joints or of states."""
+"""Parameters of what is fixed or added to a rod in a scene: bodies, supports, a foundation, states;
+the module has them in another form, as numbers of links, of joints or of states."""
 
 from __future__ import annotations
 

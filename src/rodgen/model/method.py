@@ -1,4 +1,4 @@
-"""What a method of integration is: its order, who takes its steps, and its coefficients."""
+"""Methods of integration as data: order, who takes the steps, and coefficients."""
 
 from __future__ import annotations
 
@@ -38,7 +38,7 @@ class Tableau:
 
 
 @dataclass(frozen=True)
-class Collocation:
+class CollocationRule:
     """Collocation at three points, the zeros of the derivative of order a of x^a (x - 1)^b on
     [0, 1] (E. Hairer, G. Wanner: Solving Ordinary Differential Equations II, IV.5).
 
@@ -73,7 +73,7 @@ class Method:
     about: str
     citation: str
     tableau: Tableau | None = None
-    collocation: Collocation | None = None
+    collocation: CollocationRule | None = None
     scipy: str = ""
     compiled: bool = False
     per_step: float = 1.0
@@ -85,9 +85,9 @@ class Method:
 
 
 def stability_polynomial(A: Collection[Collection[Any]], b: Collection[Any]) -> list[float]:
-    """Coefficients of 1, z, z^2, ... by which an explicit Runge-Kutta method multiplies the
-    solution of y' = lambda y in a step h, with z = h lambda: 1 + sum z^(k+1) b A^k 1 (E. Hairer,
-    G. Wanner: Solving Ordinary Differential Equations II, IV.2)."""
+    """Coefficients of 1, z, z^2, ... of the stability polynomial 1 + sum z^(k+1) b A^k 1 of an
+    explicit Runge-Kutta method, z = h lambda: its step multiplies the solution of y' = lambda y by
+    that (E. Hairer, G. Wanner: Solving Ordinary Differential Equations II, IV.2)."""
 
     def dot(row: Collection[Any], column: Collection[Any]) -> Any:
         return sum(x * y for x, y in zip(row, column, strict=False))  # rows may lack their zeros

@@ -74,18 +74,18 @@ DARK: Colours = {
 }
 
 
-def shades(name: str, palette: Colours = LIGHT) -> tuple[str, ...]:
-    """The colours of a name: one, or all of a row."""
+def colours_of(name: str, palette: Colours = LIGHT) -> tuple[str, ...]:
+    """Colours of a name: the single one, or all of a list."""
     found = palette[name]
     return (found,) if isinstance(found, str) else found
 
 
-def pair(number: int) -> tuple[str, str]:
+def series_pair(number: int) -> tuple[str, str]:
     """A colour of the series, from 1 on, on light and on dark ground."""
-    light, dark = (shades("series", palette)[number - 1] for palette in (LIGHT, DARK))
+    light, dark = (colours_of("series", palette)[number - 1] for palette in (LIGHT, DARK))
     return light, dark
 
 
 def as_css(palette: Colours) -> str:
     """Declarations of custom properties, --rg-NAME: colours with commas between."""
-    return " ".join(f"--rg-{name}: {', '.join(shades(name, palette))};" for name in palette)
+    return " ".join(f"--rg-{name}: {', '.join(colours_of(name, palette))};" for name in palette)

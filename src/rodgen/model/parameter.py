@@ -47,41 +47,41 @@ class Parameter:
     by_mass: bool = False
 
     @property
-    def keys(self) -> tuple[str, ...]:
-        """Where it stands in its table."""
+    def key_path(self) -> tuple[str, ...]:
+        """Path of keys in its table of a scene."""
         return (self.key,) if self.part is None else (self.key, str(self.part))
 
     @property
-    def signed(self) -> bool:
+    def is_signed(self) -> bool:
         """Whether it may be negative."""
         return self.rule == ANY
 
     @property
-    def several(self) -> bool:
+    def is_array(self) -> bool:
         """Whether it is several numbers."""
         return bool(self.each)
 
     @property
-    def angle(self) -> bool:
+    def is_angle(self) -> bool:
         """Whether it is an angle."""
         return self.unit == "rad"
 
     @property
-    def beginning(self) -> float | None:
-        """Its value in a load that was not there before."""
+    def initial_value(self) -> float | None:
+        """Initial value in a load that is added to a scene."""
         return self.default if self.first is None else self.first
 
     @property
-    def shown_unit(self) -> str:
-        """The unit with powers set high, for pictures and pages."""
+    def display_unit(self) -> str:
+        """Unit with superscript powers, for pictures and pages."""
         return typeset(self.unit)
 
     @property
     def documentation(self) -> str:
-        """What it is, with its unit."""
+        """Description with the unit."""
         return self.description.replace("[]", f"[{self.unit}]")
 
 
 def typeset(unit: str) -> str:
-    """A unit with its powers set high."""
+    """A unit with superscript powers."""
     return unit.replace("^2", "²")

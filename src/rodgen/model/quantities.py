@@ -1,6 +1,6 @@
 """Quantities that follow from a motion: a row each, with its name, unit, words, and what shows it.
 
-The functions that compute them stand in integrate/catalogue.py, by the names of the rows.
+The functions that compute them stand in integrate/quantity_formulas.py, by the names of the rows.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ Index = tuple[int, ...]
 
 @dataclass(frozen=True, slots=True)
 class Quantity:
-    """Something that follows from states and parameters at every time.
+    """A quantity that follows from states and parameters at every time.
 
     name: of a variable in a file, with {} for a load; unit: with powers as in "kg m^2"; words: what
     it is; dimensions: beside the time; numbers: labels in plots of its single numbers by their
@@ -197,7 +197,7 @@ QUANTITIES = (
         _point("reaction_", "the reaction"),
         "reaction",
         SHOWN,
-        only="held",
+        only="is_held",
     ),
     Quantity(
         "reaction_moment",
@@ -206,7 +206,7 @@ QUANTITIES = (
         (),
         {"reaction_moment": "moment of the reaction"},
         kept=SHOWN,
-        only="clamped",
+        only="is_clamped",
     ),
     Quantity(
         "support_force",
@@ -245,7 +245,7 @@ QUANTITIES = (
 
 
 class Kind(NamedTuple):
-    """What can be shown together: what it is, the symbol of its axis, and its unit."""
+    """Kind of quantities that can be shown together: title, symbol of its axis, and unit."""
 
     title: str
     symbol: str
@@ -253,7 +253,7 @@ class Kind(NamedTuple):
 
 
 def _kind(name: str, symbol: str, title: str = "") -> tuple[str, Kind]:
-    """A kind, by default with the words of the quantity that it consists of."""
+    """Name and row of a kind, by default titled as the quantity that it consists of."""
     of = next(row for row in QUANTITIES if name in map(row.kind_of, row.numbers))
     return name, Kind(title or of.words, symbol, typeset(of.unit))
 
@@ -313,20 +313,20 @@ class Number(NamedTuple):
 
 
 def numbers(
-    quantity: Quantity, hold: Boundary, links: int, supported: Sequence[int] = ()
+    quantity: Quantity, boundary: Boundary, links: int, supported: Sequence[int] = ()
 ) -> Iterator[Number]:
     """All numbers of a quantity of a rod; supported: its links that supports may be on."""
-    if quantity.only and not getattr(hold, quantity.only):
+    if quantity.only and not getattr(boundary, quantity.only):
         return
     first, *rest = quantity.dimensions or ("",)
     ranges = {
         "link": range(links),
         "joint": range(links + 1),
-        "spring": hold.springs(links),
-        "section": range(hold.first_force, links),
+        "spring": boundary.spring_joints(links),
+        "section": range(boundary.first_force, links),
         "supported": supported,
     }
-    starts = {"spring": hold.springs(links).start, "section": hold.first_force}
+    starts = {"spring": boundary.spring_joints(links).start, "section": boundary.first_force}
     middle = 0.5 if first == "link" else 0.0
     for last, (name, label) in enumerate(quantity.numbers.items()):
         kind = quantity.kind_of(name)
@@ -335,7 +335,7 @@ def numbers(
             continue
         for number in ranges[first]:
             # No spring bends a link that is held, nor does the start of the next one.
-            if kind != "bending_moment" or number >= hold.first:
+            if kind != "bending_moment" or number >= boundary.first:
                 at = (number - starts.get(first, 0), *((last,) if rest else ()))
                 shown = label.format(str(number).translate(SUBSCRIPTS))
                 # Supports are single points: nothing goes along the rod from one to the next.
@@ -343,35 +343,37 @@ def numbers(
                 yield Number(name.format(number), shown, kind, at, along)
 
 
-def watched(hold: Boundary, links: int) -> Iterator[tuple[str, range]]:
-    """Names of all quantities that events can watch: those that move, each with the numbers of the
-    links or joints that {} stands for."""
-    once, moving = range(1), range(hold.first, links)
-    yield from ((name, once) for name in ("x0", "y0") if hold.translates)
+def watchable_names(boundary: Boundary, links: int) -> Iterator[tuple[str, range]]:
+    """Name templates of all quantities that events can watch, each with the numbers of the links or
+    joints that {} stands for: those that move."""
+    once, moving = range(1), range(boundary.first, links)
+    yield from ((name, once) for name in ("x0", "y0") if boundary.translates)
     yield "phi_{}", moving
-    yield from ((name, once) for name in ("vx0", "vy0") if hold.translates)
+    yield from ((name, once) for name in ("vx0", "vy0") if boundary.translates)
     yield "omega_{}", moving
     for quantity in QUANTITIES:
         if quantity.watched:
-            span = range(hold.first_joint, links + 1) if "joint" in quantity.dimensions else once
+            span = (
+                range(boundary.first_joint, links + 1) if "joint" in quantity.dimensions else once
+            )
             yield from ((name, span) for name in quantity.numbers)
 
 
-def number_in(name: str, template: str) -> int | None:
-    """The number that a name has in place of {}, 0 for a template without; None if it is none of
-    these names."""
+def parse_number(name: str, template: str) -> int | None:
+    """Number in place of {} in a name, 0 for a template without {}; None if the name does not match
+    the template."""
     found = re.search(r"[0-9]{1,7}", name) if "{}" in template else None
     number = int(found[0]) if found else 0
     return number if name == template.format(number) else None
 
 
-def place(name: str) -> tuple[Quantity, Index]:
-    """The quantity that has a number of this name, of a link, a joint or the rod, and where. Raises
+def find_quantity(name: str) -> tuple[Quantity, Index]:
+    """Quantity with a number of this name, of a link, a joint or the rod, and its index. Raises
     KeyError."""
     for quantity in QUANTITIES:
         others = quantity.each or quantity.dimensions[:1] in (SPRING, SECTION, SUPPORTED)
         for last, template in enumerate(() if others else quantity.numbers):
-            number = number_in(name, template)
+            number = parse_number(name, template)
             if number is not None:
                 along = (number,) if "{}" in template else ()
                 beside = len(quantity.dimensions) > len(along)

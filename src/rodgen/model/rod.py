@@ -1,4 +1,4 @@
-"""The rod itself: its parameters, the ways in which its start is held, and how its mass lies."""
+"""The rod: its parameters, boundaries, inertias, and what may differ along it."""
 
 from __future__ import annotations
 
@@ -67,7 +67,7 @@ CLAMP_ANGLE = Parameter(
 
 @dataclass(frozen=True, slots=True)
 class Boundary:
-    """How the start of the rod is held.
+    """Boundary of a rod: how its ends are held.
 
     translates: joint 0 moves freely, with coordinates x0, y0.
     first: the first link that moves; links before it are held at clamp_angle.
@@ -99,36 +99,36 @@ class Boundary:
         """The first joint with a spring."""
         return 0 if self.root else 1
 
-    def springs(self, links: int) -> range:
+    def spring_joints(self, links: int) -> range:
         """The joints with a spring."""
         return range(self.first_spring, links + bool(self.tail))
 
     @property
-    def least_links(self) -> int:
+    def min_links(self) -> int:
         """The fewest links with which something moves."""
         return self.first + 1
 
     @property
-    def held(self) -> bool:
+    def is_held(self) -> bool:
         """Whether something holds the start of the rod in its place."""
         return not self.translates
 
     @property
-    def clamped(self) -> bool:
+    def is_clamped(self) -> bool:
         """Whether the rod is held at clamp_angle, by a link that does not move or by a spring."""
         return bool(self.first or self.root or self.tail)
 
     @property
-    def support(self) -> str:
-        """What is drawn at joint 0: "none", a "wall" or a "pin"."""
+    def start_symbol(self) -> str:
+        """Name of the drawing at joint 0: "none", a "wall" or a "pin"."""
         if self.translates:
             return "none"
-        return "wall" if self.clamped else "pin"
+        return "wall" if self.is_clamped else "pin"
 
     @property
     def parameters(self) -> tuple[Parameter, ...]:
         """Parameters of this boundary."""
-        return (CLAMP_ANGLE,) if self.clamped else ()
+        return (CLAMP_ANGLE,) if self.is_clamped else ()
 
 
 BOUNDARIES = {
@@ -164,7 +164,7 @@ BOUNDARIES = {
 
 @dataclass(frozen=True, slots=True)
 class Inertia:
-    """How the mass of a link lies along it: in words, and whether a link resists being turned
+    """Distribution of the mass along a link: in words, and whether a link resists being turned
     about its own middle other than by masses at its ends."""
 
     description: str
@@ -178,8 +178,8 @@ INERTIAS = {
 
 
 @dataclass(frozen=True, slots=True)
-class Uneven:
-    """What a rod that differs along its length has other parameters for.
+class Nonuniform:
+    """Parameters by which a rod differs along its length.
 
     parameters: what it has; instead: names of parameters of an even rod whose place they take;
     title: what differs, in words.
@@ -230,7 +230,7 @@ SPREAD = SPREAD_ALONG, SPREAD_ACROSS, SPREAD_MIXED
 
 
 def _steady(one: Parameter) -> Parameter:
-    """A parameter of links of which some masses change with time: that of the others."""
+    """Parameter of the masses of links that do not change with time, where others do."""
     return replace(
         one,
         name=one.name.replace("link", "steady"),
@@ -249,7 +249,7 @@ TANK = {
 
 
 def tank_row(name: str, what: str) -> Parameter:
-    """A number of such a body, of those in TANK; name: what they are called after."""
+    """Parameter of a body whose mass changes with time, one of TANK; name: prefix of its name."""
     spread = what == "spread"
     return Parameter(
         name=f"{name}_{what}",
@@ -263,8 +263,8 @@ def tank_row(name: str, what: str) -> Parameter:
 
 STEADY = {one.name: _steady(one) for one in (LINK_MASS, *CENTRE, *SPREAD)}
 
-UNEVEN = {
-    "stiffness": Uneven(
+NONUNIFORM = {
+    "stiffness": Nonuniform(
         (
             Parameter(
                 name="joint_stiffness",
@@ -280,7 +280,7 @@ UNEVEN = {
         instead=("bending_stiffness",),
         title="stiffness that differs from joint to joint",
     ),
-    "mass": Uneven((LINK_MASS,), title="mass that differs from link to link"),
-    "bodies": Uneven((LINK_MASS, *CENTRE, *SPREAD), title="bodies fixed to its links"),
-    "points": Uneven((LINK_MASS, CENTRE_ALONG), title="point masses in its joints"),
+    "mass": Nonuniform((LINK_MASS,), title="mass that differs from link to link"),
+    "bodies": Nonuniform((LINK_MASS, *CENTRE, *SPREAD), title="bodies fixed to its links"),
+    "points": Nonuniform((LINK_MASS, CENTRE_ALONG), title="point masses in its joints"),
 }

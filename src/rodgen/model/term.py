@@ -52,57 +52,57 @@ class Term:
         return self.name.replace("_", " ")
 
     @property
-    def kind_name(self) -> str:
-        """The name without a number."""
+    def base_name(self) -> str:
+        """Name without a number: of the first load of this kind."""
         found = NUMBERED.fullmatch(self.name)
         return found[1] if found and self.placed else self.name
 
     @property
-    def damps(self) -> bool:
+    def is_damping(self) -> bool:
         """Whether it takes energy wherever something moves."""
         return self.kind in (DAMPER, DRAG)
 
     @property
-    def loads(self) -> bool:
+    def is_load(self) -> bool:
         """Whether it is a table of [loads]; others follow from tables of their own."""
         return self.kind != ANCHOR
 
     @property
-    def sizes(self) -> tuple[Parameter, ...]:
+    def size_parameters(self) -> tuple[Parameter, ...]:
         """Parameters with which the load grows in proportion; several are its components."""
         return tuple(one for one in self.parameters if one.scales)
 
     @property
-    def proportions(self) -> tuple[Parameter, ...]:
+    def scaling_parameters(self) -> tuple[Parameter, ...]:
         """Parameters that its force is in proportion to: its sizes, or the coefficients of drag."""
         of_drag = self.kind == DRAG
         return tuple(p for p in self.parameters if p.scales or (of_drag and p.rule == NOT_NEGATIVE))
 
     @property
-    def beginning(self) -> dict[str, Any]:
-        """Its table in a scene in which it was not before; without what has a number for every
-        joint, and what the scene itself has a place for."""
+    def initial_table(self) -> dict[str, Any]:
+        """Initial table of a load that is added to a scene, without parameters of every joint and
+        those that have no initial value."""
         found: dict[str, Any] = {}
         for one in self.given or self.parameters:
-            if one.beginning is None or one.each == JOINTS:
+            if one.initial_value is None or one.each == JOINTS:
                 continue
             if one.part is not None:
-                found.setdefault(one.key, []).append(one.beginning)
+                found.setdefault(one.key, []).append(one.initial_value)
             else:
-                found[one.key] = one.beginning
+                found[one.key] = one.initial_value
         return found
 
-    def numbered(self, number: int) -> Term:
-        """The load of this kind that has this number in a scene."""
+    def with_number(self, number: int) -> Term:
+        """Row of the load of this kind that has this number in a scene."""
         return replace(
             self,
             name=f"{self.name}_{number}",
             label=f"{self.label} {number}",
             symbol=f"{self.symbol}{number}",
-            parameters=tuple(self._numbered(number, one) for one in self.parameters),
+            parameters=tuple(self._parameter_with_number(number, one) for one in self.parameters),
         )
 
-    def _numbered(self, number: int, one: Parameter) -> Parameter:
+    def _parameter_with_number(self, number: int, one: Parameter) -> Parameter:
         return replace(
             one,
             name=one.name.replace(self.name, f"{self.name}_{number}", 1),
@@ -111,39 +111,39 @@ class Term:
         )
 
     @property
-    def spread(self) -> bool:
-        """Whether it is given for every link by itself, per length."""
+    def is_distributed(self) -> bool:
+        """Whether it is given per length, for every link by itself."""
         return self.kind == SPREAD
 
     @property
     def has_size(self) -> bool:
         """Whether it grows with one number."""
-        return len(self.sizes) == 1 and not self.spread
+        return len(self.size_parameters) == 1 and not self.is_distributed
 
 
 NUMBERED = re.compile(r"([a-z_]+?)_([2-9]|[1-9][0-9]{1,3})(?:_([a-z_]+))?")
 Row = TypeVar("Row")
 
 
-class Rows(dict[str, Row]):
-    """Rows by name; ``made`` makes those of a placed load that is not the first of a scene, of its
-    name, its number and the rest of the name."""
+class NumberedRows(dict[str, Row]):
+    """Rows by name; ``made`` makes the row of a further placed load from the name of the first, its
+    number, and the rest of the name."""
 
     def __init__(self, rows: dict[str, Row], made: Callable[[str, int, str], Row | None]):
         super().__init__(rows)
         self._made = made
 
     def __missing__(self, name: str) -> Row:
-        row = self._numbered(name)
+        row = self._make_row(name)
         if row is None:
             raise KeyError(name)
         return row
 
     def __contains__(self, name: object) -> bool:
         return super().__contains__(name) or (
-            isinstance(name, str) and self._numbered(name) is not None
+            isinstance(name, str) and self._make_row(name) is not None
         )
 
-    def _numbered(self, name: str) -> Row | None:
+    def _make_row(self, name: str) -> Row | None:
         found = NUMBERED.fullmatch(name)
         return self._made(found[1], int(found[2]), found[3] or "") if found else None

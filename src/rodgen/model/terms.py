@@ -12,10 +12,10 @@ from collections.abc import Iterable
 from functools import lru_cache
 
 from rodgen.model.fixtures import BODY, FOUNDATION, SHARE, SUPPORT
-from rodgen.model.palette import pair
+from rodgen.model.palette import series_pair
 from rodgen.model.parameter import JOINTS, LINKS, NOT_NEGATIVE, Parameter
-from rodgen.model.rod import CLAMP_ANGLE, ROD, STEADY, UNEVEN
-from rodgen.model.term import ANCHOR, DAMPER, DRAG, FORCE, SPREAD, WEIGHT, Rows, Term
+from rodgen.model.rod import CLAMP_ANGLE, NONUNIFORM, ROD, STEADY
+from rodgen.model.term import ANCHOR, DAMPER, DRAG, FORCE, SPREAD, WEIGHT, NumberedRows, Term
 
 ROWS = (
     Term(
@@ -25,7 +25,7 @@ ROWS = (
         label="follower force",
         symbol="P",
         description="thrust along a link, at the tail the last",
-        colours=pair(2),
+        colours=series_pair(2),
         follows=True,
         thesis=True,
         placed=True,
@@ -60,7 +60,7 @@ ROWS = (
         label="gravity",
         symbol="M g",
         description="weight of every mass",
-        colours=pair(7),
+        colours=series_pair(7),
         thesis=True,
         parameters=(
             Parameter(
@@ -103,7 +103,7 @@ ROWS = (
         kind=DRAG,
         label="external damping",
         description="force at the joints, across the rod",
-        colours=pair(3),
+        colours=series_pair(3),
         thesis=True,
         kinked=True,
         parameters=(
@@ -138,7 +138,7 @@ ROWS = (
         label="tip load",
         symbol="F",
         description="dead force at the tail: it keeps its direction",
-        colours=pair(4),
+        colours=series_pair(4),
         parameters=(
             Parameter(
                 name="tip_force_x",
@@ -190,7 +190,7 @@ ROWS = (
         label="distributed follower force",
         symbol="Q",
         description="thrust along every link, in its middle",
-        colours=pair(5),
+        colours=series_pair(5),
         follows=True,
         parameters=(
             Parameter(
@@ -213,7 +213,7 @@ ROWS = (
         kind=ANCHOR,
         label="foundation",
         description="springs and dampers all along the rod, across the straight rod",
-        colours=pair(8),
+        colours=series_pair(8),
         given=FOUNDATION,
         parameters=(
             Parameter(
@@ -252,7 +252,7 @@ ROWS = (
         kind=ANCHOR,
         label="supports",
         description="springs and dampers from points of the rod to fixed points",
-        colours=pair(1),
+        colours=series_pair(1),
         given=SUPPORT,
         array=True,
         parameters=(
@@ -285,7 +285,7 @@ ROWS = (
         kind=DRAG,
         label="drag",
         description="force at the joints against a medium with a wind, by the square of the speed",
-        colours=pair(6),
+        colours=series_pair(6),
         parameters=(
             Parameter(
                 name="drag_normal",
@@ -336,34 +336,34 @@ ROWS = (
 @lru_cache(maxsize=1024)  # of the many that a scene may have, which are asked for often
 def _numbered_term(name: str, number: int, rest: str) -> Term | None:
     term = next((term for term in ROWS if term.name == name and term.placed), None)
-    return None if term is None or rest else term.numbered(number)
+    return None if term is None or rest else term.with_number(number)
 
 
 # The rows by name, in the order in which names list them.
-TERMS: Rows[Term] = Rows({term.name: term for term in ROWS}, _numbered_term)
+TERMS: NumberedRows[Term] = NumberedRows({term.name: term for term in ROWS}, _numbered_term)
 # What the masses that change with time do, where works and powers are listed by term.
 EMPTYING = "emptying"
 # What is put in by moving the far end of a spring that pulls the rod by hand.
 PULL = "pull"
 
 
-def words_of(name: str) -> str:
-    """A term in words, or what else does work."""
+def describe(name: str) -> str:
+    """Words for a term, or for another source of work."""
     return name if name in (EMPTYING, PULL) else TERMS[name].words
 
 
 THESIS_TERMS = tuple(term.name for term in ROWS if term.thesis)
 
 
-def _ordered() -> tuple[Parameter, ...]:
+def _all_parameters() -> tuple[Parameter, ...]:
     """All parameters in the order in which p holds them; those that are many numbers come last."""
     first, later = (
         [one for term in ROWS if term.thesis is thesis for one in term.parameters]
         for thesis in (True, False)
     )
-    uneven = (one for way in UNEVEN.values() for one in way.parameters)
-    every = (*ROD, *first, CLAMP_ANGLE, *later, *uneven, *STEADY.values())
-    return tuple(sorted(every, key=lambda one: one.several))
+    nonuniform = (one for way in NONUNIFORM.values() for one in way.parameters)
+    every = (*ROD, *first, CLAMP_ANGLE, *later, *nonuniform, *STEADY.values())
+    return tuple(sorted(every, key=lambda one: one.is_array))
 
 
 @lru_cache(maxsize=4096)
@@ -373,7 +373,7 @@ def _parameter(name: str, number: int, rest: str) -> Parameter | None:
     return next((one for one in rows if one.name == f"{name}_{number}_{rest}"), None)
 
 
-def named(terms: Iterable[str]) -> dict[str, str]:
+def load_places(terms: Iterable[str]) -> dict[str, str]:
     """Names of the loads of a structure, each with its place: "" at the tail, else a link by its
     number, and the share of it before the point where that is not its start: 6+1/10."""
     counts: Counter[str] = Counter()
@@ -385,14 +385,16 @@ def named(terms: Iterable[str]) -> dict[str, str]:
     return found
 
 
-PARAMETERS: Rows[Parameter] = Rows({one.name: one for one in _ordered()}, _parameter)
+PARAMETERS: NumberedRows[Parameter] = NumberedRows(
+    {one.name: one for one in _all_parameters()}, _parameter
+)
 # Where a scene has a parameter of its module: the keys of tables, from the outermost in.
 PLACES: dict[str, tuple[str, ...]] = {
     **{one.name: ("rod", one.key) for one in (*ROD, CLAMP_ANGLE)},
     **{
-        one.name: ("loads", term.table, *one.keys)
+        one.name: ("loads", term.table, *one.key_path)
         for term in ROWS
-        if term.loads
+        if term.is_load
         for one in term.parameters
     },
 }
@@ -407,15 +409,15 @@ FIXTURES: dict[str, tuple[tuple[Parameter, ...], str]] = {
 
 
 def axis_label(key: str) -> str:
-    """What stands at the axis of a number of a scene: of loads.follower.force, follower force [N];
-    of what is no parameter of a rod, of a load or of what is fixed to the rod, the key itself."""
-    one, of = _row_of(key)
+    """Axis label of a number of a scene, such as follower force [N] of loads.follower.force; the
+    key itself where it is no parameter of a rod, of a load or of what is fixed to the rod."""
+    one, of = _find_row(key)
     if one is None:
         return key
-    return f"{one.label}{of} [{one.shown_unit}]" if one.unit else f"{one.label}{of}"
+    return f"{one.label}{of} [{one.display_unit}]" if one.unit else f"{one.label}{of}"
 
 
-def _row_of(key: str) -> tuple[Parameter | None, str]:
+def _find_row(key: str) -> tuple[Parameter | None, str]:
     """The row of a number of a scene, and of which of several things it is."""
     for name, path in PLACES.items():
         if ".".join(path) == key:
@@ -423,4 +425,4 @@ def _row_of(key: str) -> tuple[Parameter | None, str]:
     table, *keys = key.split(".")
     rows, called = FIXTURES.get(table, ((), ""))
     of = f" of {called} {int(keys.pop(0)) + 1}" if called and keys and keys[0].isdigit() else ""
-    return next((one for one in rows if one.keys == tuple(keys)), None), of
+    return next((one for one in rows if one.key_path == tuple(keys)), None), of

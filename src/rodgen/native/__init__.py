@@ -1,4 +1,4 @@
-"""Step loops as C99 that any rod can be stepped by, and what builds and loads C.
+"""Step loops in C99 for any rod, and Python that builds and loads C.
 
 `rodgen derive` puts this folder beside its modules, which need nothing else of rodgen.
 """

@@ -1,4 +1,4 @@
-/* Where a step by collocation keeps what it computes, and its polynomial: what the step and its dense output share. */
+/* Memory and polynomial of a step by collocation, which the step shares with its dense output and tangents. */
 
 #ifndef RODGEN_COLLOCATION_H
 #define RODGEN_COLLOCATION_H

@@ -1,4 +1,4 @@
-/* States inside a step by collocation, and what its polynomial lacks there. */
+/* States inside a step by collocation, with corrections of its polynomial. */
 
 #include "collocation.h"
 

@@ -1,5 +1,5 @@
-/* Tangents of a step by collocation: how the state at its end follows that at its start, by the equations of the step
-   itself.
+/* Tangents of a step by collocation: derivatives of the state at its end by that at its start, from the equations of the
+   step itself.
 
    With the stages known, those of a tangent are the solution of linear equations, the derivatives of the rates in each
    stage times it. They are solved as the stages are, by the factors of one matrix for all three, which differ from those of

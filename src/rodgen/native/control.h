@@ -1,4 +1,4 @@
-/* What explicit methods decide of one rod: lengths of steps, whether they are kept, and states in between. */
+/* Step control of explicit methods for one rod: lengths of steps, whether they are accepted, and states in between. */
 
 #ifndef RODGEN_CONTROL_H
 #define RODGEN_CONTROL_H

@@ -1,5 +1,5 @@
-/* Where numbers of rods side by side pass levels: seen at points within their steps, then located along the dense
-   output. What is seen and what is not, Watch in integrate/events.py says. */
+/* Crossings of levels by numbers of rods side by side: detected at points within their steps, then located along the
+   dense output. Watch in integrate/events.py tells which crossings may be missed. */
 
 #include "many.h"
 

@@ -1,4 +1,4 @@
-/* What lies within steps of rods side by side: samples, crossings of numbers that are watched, ends of runs. */
+/* Samples, crossings of watched numbers and ends of runs within the steps of rods side by side. */
 
 #include "many.h"
 

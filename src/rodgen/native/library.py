@@ -1,4 +1,4 @@
-"""Build C files once, and load what they become.
+"""Builder and loader of C libraries.
 
 Generated C modules are built by it: here, and beside modules where rodgen is not installed, so
 that it needs Python's own library and cffi, and nothing of rodgen. A library is built in a
@@ -56,13 +56,13 @@ class BuildError(RuntimeError):
     """
 
 
-def surroundings() -> tuple[str | None, ...]:
-    """What of the environment a library is built by, and where it is kept."""
+def build_environment() -> tuple[str | None, ...]:
+    """Environment variables by which a library is built, and by which its place is found."""
     names = ("CC", "RODGEN_CFLAGS", "RODGEN_CACHE", "XDG_CACHE_HOME", "PATH")
     return tuple(map(os.environ.get, names))
 
 
-def _failure(problem: str, output: str = "") -> BuildError:
+def _build_error(problem: str, output: str = "") -> BuildError:
     last = [f"    {line[:200]}" for line in output.strip().splitlines()[-12:]]
     advice = (
         "The NumPy target needs no compiler: --target numpy in rodgen derive and rodgen run, "
@@ -85,23 +85,25 @@ def load_library(
     """
     ffi = _declare(declarations)
     sources = _read(stem, Path(folder), files or (f"{stem}.c", f"{stem}.h"))
-    processor = features()
+    processor = processor_features()
     flag_sets = flag_choices(processor)
     wanted = _digest(
         *(_FORMAT, sysconfig.get_config_var("SOABI"), processor, _SHARED, flag_sets, sources)
     )
     compiler = compiler_command()
     # Whatever it answers, with whatever status: whether it compiles is seen when it does.
-    version = _run([*compiler, "--version"], _VERSION_LIMIT) if compiler else None
+    version = _run_command([*compiler, "--version"], _VERSION_LIMIT) if compiler else None
     built_by = _digest(compiler, version) if compiler else "*"
     cache = _cache()
     # Without a compiler, what any compiler made of the same source with the same flags will do.
     for entry in sorted(cache.glob(f"{wanted}-{built_by}")) if cache else ():
-        library = _stored(ffi, entry / f"{stem}.so")
+        library = _load_from_cache(ffi, entry / f"{stem}.so")
         if library is not None:
             return ffi, library
     if not compiler:
-        raise _failure("no C compiler: none of cc, gcc, clang is on PATH; install one or set CC")
+        raise _build_error(
+            "no C compiler: none of cc, gcc, clang is on PATH; install one or set CC"
+        )
     # A cache that takes no files, or from which nothing may be run: a temporary directory does.
     for place in (cache, None) if cache else (None,):
         try:
@@ -115,7 +117,7 @@ def load_library(
                 return ffi, library
         except (OSError, UnicodeError) as error:
             problem = f"{stem}.c cannot be built and loaded by {shlex.join(compiler)}: {error}"
-    raise _failure(f"{problem}; RODGEN_CACHE and TMPDIR say where it is tried")
+    raise _build_error(f"{problem}; RODGEN_CACHE and TMPDIR say where it is tried")
 
 
 def _declare(declarations: str) -> Any:
@@ -123,9 +125,9 @@ def _declare(declarations: str) -> Any:
         ffi = import_module("cffi").FFI()
         ffi.cdef(declarations)
     except ImportError as error:
-        raise _failure(f"cffi is missing ({error}): pip install cffi") from error
+        raise _build_error(f"cffi is missing ({error}): pip install cffi") from error
     except Exception as error:  # A backend of another version is a bare Exception to cffi.
-        raise _failure(f"cffi refuses the declarations: {error}") from error
+        raise _build_error(f"cffi refuses the declarations: {error}") from error
     return ffi
 
 
@@ -133,7 +135,7 @@ def _read(stem: str, folder: Path, files: Sequence[str]) -> dict[str, bytes]:
     try:
         return {name: (folder / name).read_bytes() for name in files}
     except OSError as error:
-        raise _failure(
+        raise _build_error(
             f"{error.filename}: {error.strerror}; it belongs beside {stem}.py: generate both again"
         ) from error
 
@@ -142,8 +144,8 @@ def _digest(*parts: object) -> str:
     return hashlib.sha256(repr(parts).encode()).hexdigest()[:32]
 
 
-def features() -> str:
-    """What -march=native depends on; the first processor speaks for all."""
+def processor_features() -> str:
+    """Features of the processor, for -march=native; the first processor speaks for all."""
     try:
         with open("/proc/cpuinfo", encoding="utf-8", errors="replace") as file:
             lines = list(takewhile(str.strip, file))
@@ -154,18 +156,20 @@ def features() -> str:
     return "".join([platform.machine(), "\n", *(kept or lines)])
 
 
-def _words(variable: str) -> list[str]:
+def _environment_words(variable: str) -> list[str]:
     """Words of an environment variable; none if it is not set."""
     given = os.environ.get(variable, "")
     try:
         return shlex.split(given)
     except ValueError as error:
-        raise _failure(f"{variable}={given}: not words as a shell has them ({error})") from error
+        raise _build_error(
+            f"{variable}={given}: not words as a shell has them ({error})"
+        ) from error
 
 
 def flag_choices(processor: str) -> list[tuple[str, ...]]:
     """Flags to try, the first that the compiler takes being used."""
-    given = _words("RODGEN_CFLAGS")
+    given = _environment_words("RODGEN_CFLAGS")
     if given:
         return [tuple(given)]
     wide = [(*FLAGS, _WIDE)] if "avx512f" in processor.split() else []
@@ -174,15 +178,15 @@ def flag_choices(processor: str) -> list[tuple[str, ...]]:
 
 def compiler_command() -> list[str]:
     """Command of the compiler: CC, else cc, gcc or clang; empty if there is none."""
-    given = _words("CC")
+    given = _environment_words("CC")
     for command in [given] if given else [["cc"], ["gcc"], ["clang"]]:
         program = shutil.which(command[0])
         if program and Path(program).stem.lower() == "cl":
-            raise _failure("CC=cl: MSVC does not compile this C99; set CC to gcc or clang")
+            raise _build_error("CC=cl: MSVC does not compile this C99; set CC to gcc or clang")
         if program:
             return [os.path.abspath(program), *command[1:]]
     if given:
-        raise _failure(f"CC={shlex.join(given)}: no such program; set CC to a C compiler")
+        raise _build_error(f"CC={shlex.join(given)}: no such program; set CC to a C compiler")
     return []
 
 
@@ -200,7 +204,7 @@ def _cache() -> Path | None:
 
 
 def cache_root() -> Path:
-    """RODGEN_CACHE, else rodgen in XDG_CACHE_HOME, else ~/.cache/rodgen."""
+    """Root of the cache: RODGEN_CACHE, else rodgen in XDG_CACHE_HOME, else ~/.cache/rodgen."""
     override = os.environ.get("RODGEN_CACHE")
     if override:
         return Path(override)
@@ -226,8 +230,8 @@ def read_own(path: Path) -> bytes:
         return file.read()
 
 
-def _stored(ffi: Any, library: Path) -> Any | None:
-    """A library of the cache, or None: to load half a file can end the process."""
+def _load_from_cache(ffi: Any, library: Path) -> Any | None:
+    """Load a library of the cache, or None: to load half a file can end the process."""
     try:
         return ffi.dlopen(str(library)) if _is_whole(library) else None
     except (OSError, UnicodeError):
@@ -245,7 +249,7 @@ def _is_whole(library: Path) -> bool:
 
 
 def _checksum(library: Path) -> str:
-    """As sha256sum writes it."""
+    """Checksum of a library, as sha256sum writes it."""
     return f"{hashlib.sha256(read_own(library)).hexdigest()}  {library.name}\n"
 
 
@@ -282,28 +286,30 @@ def _compile(
     library = work / f"{stem}.so"
     for flags in flag_sets:
         command = [*compiler, *_SHARED, *flags, *texts, "-o", library.name, "-lm"]
-        status, output = _run(command, _BUILD_LIMIT, work)
+        status, output = _run_command(command, _BUILD_LIMIT, work)
         if status == 0 and library.is_file():
             return library
     problem = f"exit status {status}" if status else "it wrote no file"
-    raise _failure(f"{shlex.join(command)}: {problem}", output)
+    raise _build_error(f"{shlex.join(command)}: {problem}", output)
 
 
-def _run(command: list[str], limit: float, folder: Path | None = None) -> tuple[int, str]:
-    """Exit status and output; what does not end is killed with all that it started."""
+def _run_command(command: list[str], limit: float, folder: Path | None = None) -> tuple[int, str]:
+    """Exit status and output of a command, killed with all that it started after limit [s]."""
     try:
-        with _started(command, folder) as process:
+        with _command_process(command, folder) as process:
             output, _ = process.communicate(timeout=limit)
     except subprocess.TimeoutExpired as error:
-        raise _failure(f"{shlex.join(command)}: killed after {limit:.0f} s") from error
+        raise _build_error(f"{shlex.join(command)}: killed after {limit:.0f} s") from error
     except OSError as error:
-        raise _failure(f"{shlex.join(command)}: {error.strerror}") from error
+        raise _build_error(f"{shlex.join(command)}: {error.strerror}") from error
     return process.returncode, output.decode(errors="replace")
 
 
 @contextmanager
-def _started(command: list[str], folder: Path | None) -> Iterator["subprocess.Popen[bytes]"]:
-    """A command that runs, and that is killed where nobody can wait for it."""
+def _command_process(
+    command: list[str], folder: Path | None
+) -> Iterator["subprocess.Popen[bytes]"]:
+    """Run a command inside the context; it is killed where nobody can wait for it."""
     process = None
     try:
         with DeferredInterrupt():  # One that is raised within Popen leaves what it has started.
@@ -351,10 +357,10 @@ ENDS = "ends_as_by_default"  # attribute of a handler of Ctrl-C that raises Keyb
 
 
 class DeferredInterrupt:
-    """Within it, Ctrl-C only leaves a note, which `look` turns into KeyboardInterrupt.
+    """Context in which Ctrl-C leaves a note, which `raise_pending` turns into KeyboardInterrupt.
 
-    Where Python would raise it at once, a step might be taken and its samples not. One that nobody
-    looked for is raised at the end. In threads, and where the program has a handler of its own,
+    Where Python would raise it at once, a step might be taken and its samples not. One still
+    pending is raised at the end. In threads, and where the program has a handler of its own,
     nothing is changed.
     """
 
@@ -372,7 +378,7 @@ class DeferredInterrupt:
     def _note(self, number: int, frame: FrameType | None) -> None:
         self._noted = True
 
-    def look(self) -> None:
+    def raise_pending(self) -> None:
         """Raise KeyboardInterrupt if there was one."""
         if self._noted:
             self._noted = False
@@ -382,4 +388,4 @@ class DeferredInterrupt:
         if self._before is not None:
             signal.signal(signal.SIGINT, self._before)
         if kind is None:
-            self.look()
+            self.raise_pending()

@@ -1,5 +1,5 @@
-/* Many rods side by side as their steps see them: lanes, the parts of the memory, and what all of them ask for. All that
-   is computed of a lane follows from its own rod alone. */
+/* Lanes, their memory, and functions that the steps of many rods side by side share. All that is computed of a lane
+   follows from its own rod alone. */
 
 #ifndef RODGEN_MANY_H
 #define RODGEN_MANY_H

@@ -1,4 +1,4 @@
-/* What is kept of the samples of rods side by side. */
+/* Reductions of the samples of rods side by side. */
 
 #include "many.h"
 

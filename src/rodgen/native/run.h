@@ -1,4 +1,4 @@
-/* A run as its methods see it: the parts of its memory, and what all of them ask for. */
+/* Memory of a run, and functions that its methods share. */
 
 #ifndef RODGEN_RUN_H
 #define RODGEN_RUN_H

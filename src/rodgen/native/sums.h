@@ -1,5 +1,5 @@
-/* Sums of stages, written out for each count of them: they are made in one pass over the states. Whoever includes
-   this says what a CASE of so many products does with a value of them. */
+/* Sums of stages, written out for each count of them, so that they take one pass over the states. The file that includes
+   this defines CASE(count, value): the case of a sum of so many products, and how its value is used. */
 
 #ifndef RODGEN_SUMS_H
 #define RODGEN_SUMS_H

@@ -1,4 +1,4 @@
-"""What is modelled: scenes from TOML, their structure, and the grammar of expressions."""
+"""Scenes from TOML, their structure, and the grammar of expressions."""
 
 from rodgen.scene.scene import Scene
 from rodgen.scene.structure import Structure

@@ -1,4 +1,4 @@
-"""What holds a rod elsewhere than at its start: supports, and a foundation all along it."""
+"""Supports of a rod at points, and a foundation all along it."""
 
 from __future__ import annotations
 
@@ -14,55 +14,55 @@ from rodgen.errors import InputError
 from rodgen.model.terms import TERMS
 from rodgen.scene.expression import Numbers
 from rodgen.scene.law import Law
-from rodgen.scene.places import point_of
+from rodgen.scene.rod_points import link_and_share
 
 if TYPE_CHECKING:
-    from rodgen.scene.tables import Foundation, Rod, Support
+    from rodgen.scene.tables import FoundationTable, RodTable, SupportTable
 
 SAME = 1e-9  # of a link, by which points are one
 
 
-def _acts(support: Support) -> bool:
-    """Whether it holds or damps anything."""
+def _has_effect(support: SupportTable) -> bool:
+    """Whether a support has any stiffness or damping."""
     turning = support.rotation, support.rotation_damping
     return any((*support.stiffness, *support.damping, *turning))
 
 
 @dataclass(frozen=True)
-class Tie:
-    """A support as it is drawn: its link, the share of that before its point, and the fixed
-    point."""
+class SupportPoint:
+    """A support, for drawing: its link, the share of the link before its point, and the fixed point
+    [m]."""
 
     link: int
     share: float
     x: float
     y: float
 
-    def way(self, joints: NDArray[np.float64]) -> NDArray[np.float64]:
-        """From the point of the rod to the fixed one, (2, 2), for joints at (links + 1, 2)."""
+    def segment(self, joints: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Segment from the rod to the fixed point, (2, 2), for joints at (links + 1, 2)."""
         start, end = joints[self.link], joints[self.link + 1]
         return np.array((start + self.share * (end - start), (self.x, self.y)))
 
 
 @dataclass(frozen=True)
 class Anchors:
-    """The anchors of a rod; start: where joint 0 is; numbers: those that expressions call by
-    names."""
+    """Supports and foundation of a rod. start: position of joint 0 [m]; numbers: values of the
+    names in expressions."""
 
-    rod: Rod
-    supports: Sequence[Support] = ()
-    foundation: Foundation | None = None
+    rod: RodTable
+    supports: Sequence[SupportTable] = ()
+    foundation: FoundationTable | None = None
     start: Sequence[float] = (0.0, 0.0)
     numbers: Numbers = ()
 
     def check(self) -> None:
-        """Raise InputError for what no anchor can be like."""
+        """Raise InputError for supports or a foundation that no module can have."""
         if self.foundation is not None:
             self._stiffness.check(self.rod.links, self.rod.links + 1)
         first: dict[int, tuple[int, float]] = {}
         for i, support in enumerate(self.supports):
-            link, share = point_of(support.at, self.rod.links)
-            if link < self.rod.hold.first:
+            link, share = link_and_share(support.at, self.rod.links)
+            if link < self.rod.boundary_condition.first:
                 allowed = f"on a link that moves, beyond {1 / self.rod.links:.6g}"
                 raise InputError(f"supports[{i}].at", support.at, allowed)
             other, there = first.setdefault(link, (i, share))
@@ -74,44 +74,46 @@ class Anchors:
 
     @property
     def terms(self) -> tuple[str, ...]:
-        """Terms that a module has for them."""
+        """Names of their terms in a module."""
         return ("foundation",) * (self.foundation is not None) + ("supports",) * bool(self.supports)
 
     @property
     def parameters(self) -> dict[str, Any]:
-        """Parameters of these terms."""
+        """Values of the parameters of these terms, by name."""
         values: dict[str, Any] = {}
         if self.foundation is not None:
-            values |= self._bedded()
-        return values | self._supported() if self.supports else values
+            values |= self._foundation_parameters()
+        return values | self._support_parameters() if self.supports else values
 
     @property
     def angle(self) -> float:
-        """The angle of the straight rod [rad]."""
+        """Angle of the straight rod [rad]."""
         return self.rod.clamp_angle or 0.0
 
-    def place(self, support: Support) -> tuple[float, float]:
-        """The fixed point of a support; by default where the straight rod has its point."""
+    def fixed_point(self, support: SupportTable) -> tuple[float, float]:
+        """Fixed point of a support [m]; by default where the straight rod has its point."""
         if support.to is not None:
             return support.to[0], support.to[1]
         way = support.at * self.rod.length
         return self.start[0] + way * cos(self.angle), self.start[1] + way * sin(self.angle)
 
     @property
-    def ties(self) -> list[Tie]:
-        """Supports as they are drawn: those that do anything."""
-        links, acting = self.rod.links, filter(_acts, self.supports)
-        return [Tie(*point_of(one.at, links), *self.place(one)) for one in acting]
+    def support_points(self) -> list[SupportPoint]:
+        """Supports that have any effect, for drawing."""
+        links, acting = self.rod.links, filter(_has_effect, self.supports)
+        return [
+            SupportPoint(*link_and_share(one.at, links), *self.fixed_point(one)) for one in acting
+        ]
 
     @property
-    def bed(self) -> NDArray[np.float64]:
-        """The line across which a foundation acts, as long as the rod, (2, 2); (0, 2) without."""
+    def foundation_line(self) -> NDArray[np.float64]:
+        """Line across which a foundation acts, as long as the rod, (2, 2); (0, 2) without one."""
         ways = (0.0, self.rod.length) if self.foundation is not None else ()
         points = [(way * cos(self.angle), way * sin(self.angle)) for way in ways]
         return np.array(points).reshape(-1, 2)
 
-    def _bedded(self) -> dict[str, Any]:
-        """Of a foundation: every joint has what lies along half a link on both sides."""
+    def _foundation_parameters(self) -> dict[str, Any]:
+        """Parameters of a foundation: each joint carries half a link to either side."""
         assert self.foundation is not None
         links = self.rod.links
         width = np.full(links + 1, self.rod.length / links)
@@ -123,14 +125,14 @@ class Anchors:
             "foundation_damping": (width * self.foundation.damping).tolist(),
         }
 
-    def _supported(self) -> dict[str, Any]:
-        """Of supports: those of one point are one, which rests where they are in balance."""
+    def _support_parameters(self) -> dict[str, Any]:
+        """Parameters of supports: several at one point become one, fixed where they balance."""
         links = self.rod.links
-        names = [one.name for one in TERMS["supports"].parameters if one.several]
+        names = [one.name for one in TERMS["supports"].parameters if one.is_array]
         values = {name: np.zeros(links) for name in names}
         for support in self.supports:
-            link, values["support_share"][link] = point_of(support.at, links)
-            for axis, at in zip("xy", self.place(support), strict=True):
+            link, values["support_share"][link] = link_and_share(support.at, links)
+            for axis, at in zip("xy", self.fixed_point(support), strict=True):
                 stiffness = values[f"support_stiffness_{axis}"]
                 more = support.stiffness["xy".index(axis)]
                 where, total = values[f"support_{axis}"], stiffness[link] + more

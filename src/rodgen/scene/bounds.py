@@ -1,7 +1,7 @@
-"""Where a function of time and place is not finite, or smaller than it may be.
+"""Search for a time and place at which a function is not finite, or below a limit.
 
-It is looked at on a grid with the points at which it is not smooth; where the grid shows a valley
-that may reach too low, its bottom is searched. What is narrower than the grid can be missed.
+The function is sampled on a grid with its break points; where the samples show a valley that may
+reach too low, its bottom is searched. A valley narrower than the grid can be missed.
 """
 
 from __future__ import annotations
@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rodgen.arrays import Array
-from rodgen.scene.zeros import bisected
+from rodgen.scene.zeros import bisect
 
 Field = Callable[[Array, Array], Any]  # of times and places, which broadcast
 SIDES = 16  # roundings to either side of a point where it is not smooth
@@ -24,34 +24,36 @@ SWEEPS, SECTIONS = 4, 40  # over time and place; each narrows a bracket to 4e-9 
 GOLDEN = (5**0.5 - 1) / 2
 
 
-def sides(points: Iterable[float], start: float, end: float) -> Array:
-    """Points between two ends with what lies on either side of them; none that is outside."""
+def with_neighbours(points: Iterable[float], start: float, end: float) -> Array:
+    """Points and their neighbours SIDES roundings away, without those outside the two ends."""
     at = np.array(sorted(points), dtype=float)
     off = SIDES * np.spacing(np.maximum(np.abs(at), np.finfo(float).tiny))
     found = np.concatenate((at - off, at, at + off))
     return found[(start <= found) & (found <= end)]
 
 
-def between(functions: Iterable[Callable[[Array], Any]], grid: Array) -> list[float]:
-    """Where functions change their sign between two points of a grid, or are zero at one."""
+def zeros_on_grid(functions: Iterable[Callable[[Array], Any]], grid: Array) -> list[float]:
+    """Zeros of functions: between points of a grid where the sign changes, or at one."""
     found: list[float] = []
     for function in functions:
         signs = np.sign(np.broadcast_to(function(grid), grid.shape))
         found += grid[(signs == 0) & (np.abs(signs).sum() > 0)].tolist()
         at = np.flatnonzero(signs[:-1] * signs[1:] < 0)
-        found += bisected(function, grid[at], grid[at + 1]).tolist()
+        found += bisect(function, grid[at], grid[at + 1]).tolist()
     return found
 
 
-def outside(f: Field, times: Array, places: Array, least: float) -> tuple[float, ...] | None:
-    """A time, a place and the value there that is not finite or smaller than the least; None where
-    there is none. times, places: ascending."""
+def find_out_of_bounds(
+    f: Field, times: Array, places: Array, least: float
+) -> tuple[float, ...] | None:
+    """Find a time and a place at which f is not finite or below `least`; returns them with the
+    value there, or None. times, places: ascending."""
     values = np.broadcast_to(f(times[:, None], places), (len(times), len(places)))
-    found = _first(values, times[:, None], places, least)
+    found = _first_out_of_bounds(values, times[:, None], places, least)
     if found:
         return found
     axes = [times, places]
-    at = _valleys(values, axes, least)
+    at = _local_minima(values, axes, least)
     if not len(at[0]):
         return None
     point = [axis[i] for axis, i in zip(axes, at, strict=True)]
@@ -62,12 +64,14 @@ def outside(f: Field, times: Array, places: Array, least: float) -> tuple[float,
     for _ in range(SWEEPS):
         for axis, bracket in enumerate(brackets):
             if len(axes[axis]) > 1:
-                point[axis] = _lowest(f, point, axis, *bracket)
+                point[axis] = _minimise_along(f, point, axis, *bracket)
     t, s = point
-    return _first(np.asarray(f(t, s)), t, s, least)
+    return _first_out_of_bounds(np.asarray(f(t, s)), t, s, least)
 
 
-def _first(values: Array, t: Array, s: Array, least: float) -> tuple[float, ...] | None:
+def _first_out_of_bounds(
+    values: Array, t: Array, s: Array, least: float
+) -> tuple[float, ...] | None:
     wrong = ~(np.isfinite(values) & (values >= least))
     if not wrong.any():
         return None
@@ -75,8 +79,8 @@ def _first(values: Array, t: Array, s: Array, least: float) -> tuple[float, ...]
     return tuple(float(np.broadcast_to(part, wrong.shape).flat[first]) for part in (t, s, values))
 
 
-def _valleys(values: Array, axes: list[Array], least: float) -> tuple[NDArray[np.int_], ...]:
-    """Samples that no neighbour is below, and that may lie beside something too small."""
+def _local_minima(values: Array, axes: list[Array], least: float) -> tuple[NDArray[np.int_], ...]:
+    """Indices of local minima of samples beside which values may fall below `least`."""
     inner, reach = np.ones(values.shape, bool), np.zeros(values.shape)
     for axis, points in enumerate(axes):
         edges = [(int(axis == i), int(axis == i)) for i in range(len(axes))]
@@ -95,18 +99,18 @@ def _valleys(values: Array, axes: list[Array], least: float) -> tuple[NDArray[np
     return np.unravel_index(kept, values.shape)
 
 
-def _lowest(f: Field, point: list[Array], axis: int, low: Array, high: Array) -> Array:
-    """Where f is lowest along an axis, in brackets, by golden sections; or the point itself."""
+def _minimise_along(f: Field, point: list[Array], axis: int, low: Array, high: Array) -> Array:
+    """Minimise f along an axis in brackets, by golden section; no worse than the point itself."""
 
-    def height(at: Array) -> Array:
+    def evaluate(at: Array) -> Array:
         values = np.asarray(f(*(at if i == axis else x for i, x in enumerate(point))))
         return np.where(np.isnan(values), -np.inf, values)
 
     start = point[axis]
     left, right = high - GOLDEN * (high - low), low + GOLDEN * (high - low)
     for _ in range(SECTIONS):
-        lower = height(left) < height(right)
+        lower = evaluate(left) < evaluate(right)
         low, high = np.where(lower, low, left), np.where(lower, right, high)
         left, right = high - GOLDEN * (high - low), low + GOLDEN * (high - low)
     middle = (low + high) / 2
-    return np.where(height(middle) <= height(start), middle, start)
+    return np.where(evaluate(middle) <= evaluate(start), middle, start)

@@ -8,15 +8,15 @@ from typing import Self
 from pydantic import Field, model_validator
 
 from rodgen.errors import InputError, did_you_mean
-from rodgen.model.quantities import number_in, watched
+from rodgen.model.quantities import parse_number, watchable_names
 from rodgen.model.rod import BOUNDARIES
 from rodgen.scene import structure as st
-from rodgen.scene.tables import Finite, Rod, Table
+from rodgen.scene.tables import Finite, RodTable, Table
 
 DIRECTIONS, ACTIONS = ("rising", "falling", "either"), ("record", "stop")
 
 
-class Event(Table):
+class EventTable(Table):
     """A state or a derived quantity that crosses a value: the run stops, or it is recorded."""
 
     quantity: str = Field(description="a state or a derived quantity, by name")
@@ -31,19 +31,22 @@ class Event(Table):
     )
 
     @model_validator(mode="after")
-    def _consistent(self) -> Self:
-        st.choose("direction", self.direction, DIRECTIONS)
-        st.choose("action", self.action, ACTIONS)
+    def _check_consistency(self) -> Self:
+        st.check_choice("direction", self.direction, DIRECTIONS)
+        st.check_choice("action", self.action, ACTIONS)
         return self
 
 
-def check_events(events: list[Event], rod: Rod, states: Iterable[str]) -> None:
-    """Raise InputError unless this rod has all quantities and every event a name of its own;
-    states: names of those that are added."""
-    known = [*watched(BOUNDARIES[rod.boundary], rod.links), *((name, range(1)) for name in states)]
+def check_events(events: list[EventTable], rod: RodTable, states: Iterable[str]) -> None:
+    """Raise InputError for an event whose quantity this rod lacks, or whose name is not its own;
+    states: names of the added states."""
+    known = [
+        *watchable_names(BOUNDARIES[rod.boundary], rod.links),
+        *((name, range(1)) for name in states),
+    ]
     first: dict[str, int] = {}
     for i, event in enumerate(events):
-        if not any(number_in(event.quantity, name) in span for name, span in known):
+        if not any(parse_number(event.quantity, name) in span for name, span in known):
             ends = [(name.format(span[0]), name.format(span[-1])) for name, span in known]
             shown = ", ".join(" to ".join(dict.fromkeys(pair)) for pair in ends)
             allowed = f"one of {shown}{did_you_mean(event.quantity, sum(ends, ()))}"

@@ -19,30 +19,33 @@ SENTENCE = re.compile(r".+?(?:(?<![A-Z])[.?!](?=\s|$)|$)")
 COMMENT = methodcaller("startswith", "#")
 
 
-def folder() -> Path:
-    """Where the files lie; those of studies lie in its folder `studies`."""
+def examples_folder() -> Path:
+    """Folder of the scenes; the studies lie in its folder `studies`."""
     return Path(str(files("rodgen.scenes")))
 
 
 def examples() -> dict[str, Path]:
-    """The files of the scenes, by their names."""
-    return {path.stem: path for path in sorted(folder().glob("*.toml"))}
+    """Files of the scenes, by their names."""
+    return {path.stem: path for path in sorted(examples_folder().glob("*.toml"))}
 
 
 def studies() -> dict[str, Path]:
-    """The files of the studies, by their names with the folder, such as studies/mesh."""
-    return {f"{STUDIES}/{path.stem}": path for path in sorted((folder() / STUDIES).glob("*.toml"))}
+    """Files of the studies, by their names with the folder, such as studies/mesh."""
+    return {
+        f"{STUDIES}/{path.stem}": path
+        for path in sorted((examples_folder() / STUDIES).glob("*.toml"))
+    }
 
 
-def example(name: str, known: Mapping[str, Path] | None = None) -> Path:
-    """The file of a name, by default of a scene. Raises InputError for a name that none has."""
+def find_example(name: str, known: Mapping[str, Path] | None = None) -> Path:
+    """File of an example, by default a scene. Raises InputError for a name that none has."""
     known = examples() if known is None else known
     if name not in known:
         raise InputError("example", name, f"one of {', '.join(known)}{did_you_mean(name, known)}")
     return known[name]
 
 
-def about(path: Path) -> str:
+def first_sentence(path: Path) -> str:
     """The first sentence of the comment at the top of a file."""
     text = path.read_text(encoding="utf-8")
     comment = " ".join(line[1:].strip() for line in takewhile(COMMENT, text.splitlines()))
@@ -50,9 +53,9 @@ def about(path: Path) -> str:
     return found[0] if found else ""
 
 
-def copies(path: Path, new: str) -> dict[str, str]:
-    """The text of a file under another name, with its comments, by the name of its file; first the
-    scene of a study that stands in a file of its own. Raises InputError for the name of that."""
+def copy_texts(path: Path, new: str) -> dict[str, str]:
+    """Texts, by file name, of a copy of a scene or study under another name; a scene in a file of
+    its own comes before its study. Raises InputError where the new name is that of this scene."""
     text, made = path.read_text(encoding="utf-8"), {}
     if found := SCENE.search(text):
         scene = path.parent / found[1]

@@ -1,4 +1,4 @@
-"""How a scene is integrated: the table [integrate], its limits, and the times of samples."""
+"""Settings of the integration: the table [integrate], its limits, and the times of samples."""
 
 from __future__ import annotations
 
@@ -15,9 +15,9 @@ from pydantic import Field, ValidationError, model_validator
 from rodgen.errors import InputError
 from rodgen.model.methods import EITHER, FIXED_STEP, METHODS
 from rodgen.scene import structure as st
-from rodgen.scene.plain import plain
+from rodgen.scene.plain_tables import to_plain
 from rodgen.scene.tables import Finite, Pair, Positive, Table
-from rodgen.scene.validation import explain
+from rodgen.scene.validation import to_input_error
 
 AUTO = "auto"
 MOST_SAMPLES = 10**6
@@ -27,8 +27,8 @@ F = TypeVar("F", bound=Callable[..., Any])
 LEAST_RTOL = 2.3e-14  # a hundred times the rounding of a double, below which SciPy clips
 
 
-class Settings(TypedDict, total=False):
-    """Values for [integrate] as keyword arguments, those of a scene where they are None."""
+class IntegrationSettings(TypedDict, total=False):
+    """Keyword arguments that override [integrate]; None keeps the scene's value."""
 
     method: str | None
     span: ArrayLike | None
@@ -40,22 +40,22 @@ class Settings(TypedDict, total=False):
     max_steps: int | None
 
 
-def spelt_out(function: F) -> F:
-    """A function whose signature has the keywords of Settings one by one, as notebooks and editors
-    complete them, in place of the dictionary that holds them."""
+def with_keywords(function: F) -> F:
+    """Give a function a signature with the keywords of IntegrationSettings one by one, as
+    notebooks and editors complete them, in place of the dictionary that holds them."""
     signature = inspect.signature(function)
     *others, last = signature.parameters.values()
     settings = [
         last.replace(
             name=name, kind=Parameter.KEYWORD_ONLY, default=None, annotation=kind.__forward_arg__
         )
-        for name, kind in Settings.__annotations__.items()
+        for name, kind in IntegrationSettings.__annotations__.items()
     ]
     vars(function)["__signature__"] = signature.replace(parameters=[*others, *settings])
     return function
 
 
-class Integrate(Table):
+class IntegrationTable(Table):
     """How the scene is integrated."""
 
     method: str = Field(default=AUTO, description="`auto`, or one of [these](methods.md)")
@@ -84,13 +84,13 @@ class Integrate(Table):
         "adaptive method, 10^9 of equal steps",
     )
 
-    def with_values(self, **given: Any) -> Integrate:
-        """These settings with other values; those that are None are left.
+    def with_values(self, **given: Any) -> IntegrationTable:
+        """Copy with other values; None keeps a value.
 
-        A tolerance takes the place of a step, where the method has a use for either; another
-        output_every that of t_eval. Raises InputError.
+        A tolerance replaces a step where the method can use either, and output_every replaces
+        t_eval. Raises InputError.
         """
-        changes = {k: plain(v, f"integrate.{k}") for k, v in given.items() if v is not None}
+        changes = {k: to_plain(v, f"integrate.{k}") for k, v in given.items() if v is not None}
         if not changes:
             return self
         table = self.model_dump(exclude_none=True)
@@ -98,57 +98,57 @@ class Integrate(Table):
             table.pop("step", None)
         if "output_every" in changes:
             table.pop("t_eval", None)
-        return self._made_of(table | changes)
+        return self._validate(table | changes)
 
-    def replace(self, values: Mapping[str, Any]) -> Integrate:
-        """These settings with other values, and nothing else changed. Raises InputError."""
-        return self._made_of(self.model_dump(exclude_none=True) | dict(values))
+    def replace(self, values: Mapping[str, Any]) -> IntegrationTable:
+        """Copy with other values, and nothing else changed. Raises InputError."""
+        return self._validate(self.model_dump(exclude_none=True) | dict(values))
 
-    def _made_of(self, table: dict[str, Any]) -> Integrate:
+    def _validate(self, table: dict[str, Any]) -> IntegrationTable:
         try:
             return type(self).model_validate(table)
         except ValidationError as error:
-            found = explain(error, table, type(self))
+            found = to_input_error(error, table, type(self))
             field = f"integrate.{found.field.removeprefix('integrate.')}"
             raise InputError(field, found.value, found.allowed) from None
 
     @property
-    def budget(self) -> int:
-        """Steps after which a run is stopped."""
-        return self.max_steps or (MOST_STEPS if self.fixed else MOST_ADAPTIVE)
+    def step_limit(self) -> int:
+        """Largest number of steps of a run."""
+        return self.max_steps or (MOST_STEPS if self.has_fixed_step else MOST_ADAPTIVE)
 
     @property
-    def fixed(self) -> bool:
+    def has_fixed_step(self) -> bool:
         """Whether steps are all equal: the method has a fixed step, or may have one and is given
         it."""
         return self.method in FIXED_STEP or (self.method in EITHER and self.step is not None)
 
     @property
-    def used(self) -> dict[str, Any]:
-        """The settings that the method has a use for, by name."""
+    def used_settings(self) -> dict[str, Any]:
+        """The settings that the method uses, by name."""
         given = self.model_dump(exclude_none=True)
-        useless = ("rtol", "atol") if self.fixed else ("step",)
+        useless = ("rtol", "atol") if self.has_fixed_step else ("step",)
         for name in (*useless, *(["output_every"] if "t_eval" in given else [])):
             given.pop(name, None)
         return given
 
     @property
-    def per_step(self) -> tuple[float, float]:
-        """What is tolerated of the estimated error of one step: relative, and absolute."""
+    def step_tolerances(self) -> tuple[float, float]:
+        """Tolerances of the estimated error of one step: relative, and absolute."""
         share = METHODS[self.method].per_step if self.method in METHODS else 1.0
         return min(self.rtol, max(share * self.rtol, LEAST_RTOL)), share * self.atol
 
     @model_validator(mode="after")
-    def _consistent(self) -> Self:
-        st.choose("integrate.method", self.method, (AUTO, *METHODS))
+    def _check_consistency(self) -> Self:
+        st.check_choice("integrate.method", self.method, (AUTO, *METHODS))
         start, end = self.span
         if not start < end:
             raise InputError("integrate.span", self.span, "[start, end] with start < end")
         if self.method in FIXED_STEP and self.step is None:
             allowed = f"given in seconds: method {self.method} has a fixed step"
             raise InputError("integrate.step", None, allowed)
-        if self.method in EITHER and self.fixed:
-            self._equal_steps()
+        if self.method in EITHER and self.has_fixed_step:
+            self._check_equal_steps()
         if self.step is not None and (end - start) / self.step > MOST_STEPS:
             raise InputError("integrate.step", self.step, f"at most {MOST_STEPS} steps in the span")
         if self.t_eval is not None:
@@ -160,15 +160,15 @@ class Integrate(Table):
             raise InputError("integrate.rtol", self.rtol, f"from {LEAST_RTOL} to below 1")
         return self
 
-    def _equal_steps(self) -> None:
-        """Raise InputError for a tolerance beside a step: one of them would count for nothing."""
+    def _check_equal_steps(self) -> None:
+        """Raise InputError for a tolerance beside a step: one of them would be ignored."""
         for name in ("rtol", "atol"):
             if getattr(self, name) != type(self).model_fields[name].default:
                 why = f"absent beside integrate.step, with which {self.method} takes equal steps"
                 raise InputError(f"integrate.{name}", getattr(self, name), why)
 
     @property
-    def samples(self) -> NDArray[np.float64]:
+    def sample_times(self) -> NDArray[np.float64]:
         """Output times: t_eval, or the start, every output_every, and the end."""
         if self.t_eval is not None:
             return np.array(self.t_eval, dtype=float)
@@ -181,15 +181,15 @@ class Integrate(Table):
         return times
 
 
-def check_used(settings: Integrate, given: Mapping[str, Any], prefix: str = "") -> None:
-    """Raise InputError for a value that the method has no use for.
+def check_used(settings: IntegrationTable, given: Mapping[str, Any], prefix: str = "") -> None:
+    """Raise InputError for a value that the method does not use.
 
-    settings: all that holds for the run; given: of it, what was asked for beside the scene, None
-    where it was not; prefix: of the names in messages. In a scene itself both a step and
-    tolerances may stand, so that its method can be changed alone.
+    settings: all those of the run; given: those asked for beside the scene, None where not; prefix:
+    of the names in messages. A scene itself may have both a step and tolerances, so that its method
+    can be changed alone.
     """
-    useless = ("rtol", "atol") if settings.fixed else ("step",)
-    why = "has a fixed step" if settings.fixed else "chooses its own steps"
+    useless = ("rtol", "atol") if settings.has_fixed_step else ("step",)
+    why = "has a fixed step" if settings.has_fixed_step else "chooses its own steps"
     if given.get("t_eval") is not None and given.get("output_every") is not None:
         allowed = "absent: t_eval has the times of the samples"
         raise InputError(f"{prefix}output_every", given["output_every"], allowed)

@@ -8,17 +8,17 @@ from typing import Any, get_origin
 
 from pydantic import BaseModel
 
-from rodgen.errors import InputError, did_you_mean, short
-from rodgen.scene.literals import literals, with_literal
-from rodgen.scene.plain import entry
-from rodgen.scene.validation import check_known
+from rodgen.errors import InputError, did_you_mean, shorten
+from rodgen.scene.literals import literals, replace_literal
+from rodgen.scene.plain_tables import get_at
+from rodgen.scene.validation import check_key_exists
 
 NUMBERS = "parameters"  # the table of numbers that have names
 WORD = re.compile(r"\b[^\W\d]\w*")
 
 
 def keys_of(kind: type[BaseModel]) -> list[str]:
-    """Dotted names of the values in all tables that a scene may have, without those of arrays."""
+    """Dotted names of all values that a scene may have, without those in arrays of tables."""
     found = []
     for name, field in kind.model_fields.items():
         options = getattr(field.annotation, "__args__", (field.annotation,))
@@ -31,107 +31,107 @@ def keys_of(kind: type[BaseModel]) -> list[str]:
     return found
 
 
-def texts(table: Any) -> Iterator[str]:
-    """All texts that stand in tables and lists, but names."""
+def expression_texts(table: Any) -> Iterator[str]:
+    """Yield all texts in nested tables and lists, except names."""
     if isinstance(table, str):
         yield table
     elif isinstance(table, dict | list):
         inner = table.items() if isinstance(table, dict) else enumerate(table)
         for key, value in inner:
             if key != "name":
-                yield from texts(value)
+                yield from expression_texts(value)
 
 
-def named_numbers(scene: dict[str, Any], others: Sequence[str] = ()) -> list[str]:
-    """Numbers of [parameters] that an expression of the scene names, or one of some other texts."""
-    words = {word for text in (*texts(scene), *others) for word in WORD.findall(text)}
+def numbers_in_use(scene: dict[str, Any], others: Sequence[str] = ()) -> list[str]:
+    """Numbers of [parameters] that an expression of the scene, or another of these texts, names."""
+    words = {word for text in (*expression_texts(scene), *others) for word in WORD.findall(text)}
     return [name for name in scene.get(NUMBERS, {}) if name in words]
 
 
-def check_named(
+def check_number_in_use(
     scene: dict[str, Any],
     place: Sequence[str],
     given: tuple[str, object],
     others: Sequence[str] = (),
 ) -> None:
-    """Raise InputError for another value of a number that no expression names: it would change
+    """Raise InputError for a new value of a number that no expression names: it would change
     nothing. place: keys of tables where the value stands; given: field and value of the message;
     others: texts of expressions that the scene may get."""
     if len(place) == 2 and place[0] == NUMBERS:
-        named = named_numbers(scene, others)
+        named = numbers_in_use(scene, others)
         if place[1] not in named:
             known = ", ".join(named) or "none"
             allowed = f"a number that an expression of the scene names ({known})"
             raise InputError(*given, f"{allowed}{did_you_mean(place[1], named)}")
 
 
-def put_values(scene: dict[str, Any], values: Mapping[str, Any], kind: type[BaseModel]) -> None:
-    """Put values into the tables of a scene by their dotted names, which may be new to them; None
-    takes away what is there. A number behind the key of an expression is one of those that stand in
-    its text. kind: the class of the scene, which knows its keys. Raises InputError for a name that
-    leads to no table or list, and for one to take away that a scene cannot have."""
+def set_values(scene: dict[str, Any], values: Mapping[str, Any], kind: type[BaseModel]) -> None:
+    """Set values in the tables of a scene by their dotted names, which may be new; None removes a
+    key. A number behind the key of an expression is the index of a number in its text. kind: the
+    class of the scene, which knows its keys. Raises InputError for a name that leads to no table or
+    list, and for the removal of a key that no scene has."""
     left = dict(values)
     for name, value in values.items():
         if name not in left:
             continue
         *outer, last = name.split(".")
         if value is None:
-            check_known(kind, [*outer, last])
+            check_key_exists(kind, [*outer, last])
         table: Any = scene
-        text = at_keys(scene, outer) if is_place(last) and value is not None else None
+        text = value_at(scene, outer) if is_index(last) and value is not None else None
         if isinstance(text, str):
             last, value = outer.pop(), _with_literals(text, name.rpartition(".")[0], left)
         for depth, key in enumerate(outer):
-            at = _key_in(table, key, name, outer[:depth])
+            at = _key_or_index(table, key, name, outer[:depth])
             if isinstance(table, dict):  # where there is nothing, nothing can be taken away
                 table = table.setdefault(at, {}) if value is not None else table.get(at, {})
             else:
                 table = table[at]
-        at = _key_in(table, last, name, outer)
+        at = _key_or_index(table, last, name, outer)
         if value is not None:
-            table[at] = _own(value)  # other keys may change it
+            table[at] = _deep_copy(value)  # other keys may change it
         elif isinstance(table, list) or at in table:
             del table[at]
 
 
 def _with_literals(text: str, key: str, left: dict[str, Any]) -> str:
-    """The text at a key with other numbers, which are taken from those that are left: the last ones
-    first, as one may take those behind it their places."""
+    """Put new numbers into the text at a key, and take them out of `left`: the last ones first,
+    since one may shift the places of those behind it."""
     inside = (name.removeprefix(f"{key}.") for name in left if name.startswith(f"{key}."))
-    for at in sorted(map(int, filter(is_place, inside)), reverse=True):
+    for at in sorted(map(int, filter(is_index, inside)), reverse=True):
         name = f"{key}.{at}"
-        text = with_literal(text, at, left.pop(name), name)
+        text = replace_literal(text, at, left.pop(name), name)
     return text
 
 
-def is_place(key: str) -> bool:
-    """Whether a key is a number, counted from 0."""
+def is_index(key: str) -> bool:
+    """Whether a key is an index, counted from 0."""
     return key.isascii() and key.isdigit()
 
 
-def _own(value: Any) -> Any:
-    """A copy of lists and tables in each other."""
+def _deep_copy(value: Any) -> Any:
+    """Copy nested lists and tables."""
     if isinstance(value, list):
-        return [_own(one) if isinstance(one, list | dict) else one for one in value]
-    return {k: _own(v) for k, v in value.items()} if isinstance(value, dict) else value
+        return [_deep_copy(one) if isinstance(one, list | dict) else one for one in value]
+    return {k: _deep_copy(v) for k, v in value.items()} if isinstance(value, dict) else value
 
 
-def at_keys(table: Any, keys: Sequence[str]) -> Any:
-    """Return the value at keys of tables and lists in each other, also a number in the text of an
-    expression; None where nothing is."""
+def value_at(table: Any, keys: Sequence[str]) -> Any:
+    """Value at keys of nested tables and lists, or a number in the text of an expression there;
+    None where there is nothing."""
     for at, key in enumerate(keys):
         if isinstance(table, str):
             return number_at(table, key)
         try:
-            table = table[_key_in(table, key, "", keys[:at])]
+            table = table[_key_or_index(table, key, "", keys[:at])]
         except (InputError, KeyError):
             return None
     return table
 
 
 def number_at(text: str, key: str) -> float | None:
-    """The number at a place of the text of an expression, None where none is."""
-    if not is_place(key):
+    """Number with an index in the text of an expression; None where there is none."""
+    if not is_index(key):
         return None
     try:
         found = literals(text)
@@ -140,18 +140,18 @@ def number_at(text: str, key: str) -> float | None:
     return found[int(key)].value if int(key) < len(found) else None
 
 
-def _key_in(table: Any, key: str, name: str, outer: Sequence[str], field: str = "key") -> Any:
-    """What stands for a part of a dotted name: a key of a table, the number of one of a list, which
-    may be told by its name. outer: the parts before. Raises InputError."""
+def _key_or_index(table: Any, key: str, name: str, outer: Sequence[str], field: str = "key") -> Any:
+    """Key of a table, or index in a list, for one part of a dotted name; a table in a list may go
+    by its name. outer: the parts before. Raises InputError."""
     if isinstance(table, dict):
         return key
     at = ".".join(outer)
     if not isinstance(table, list):
-        raise InputError(field, name, f"a key of the scene ({at} is {short(table)})")
+        raise InputError(field, name, f"a key of the scene ({at} is {shorten(table)})")
     names = [one.get("name") if isinstance(one, dict) else None for one in table]
     if key in names:
         return names.index(key)
-    if is_place(key) and int(key) < len(table):
+    if is_index(key) and int(key) < len(table):
         return int(key)
     known = ", ".join(str(n or number) for number, n in enumerate(names)) or "none"
     known += ", counted from 0" if names and not any(names) else ""
@@ -159,19 +159,19 @@ def _key_in(table: Any, key: str, name: str, outer: Sequence[str], field: str = 
     raise InputError(field, name, f"a key of the scene ({at} has {known}){hint}")
 
 
-def key_place(
+def find_key(
     scene: dict[str, Any], name: str, field: str = "vary", others: Sequence[str] = ()
 ) -> tuple[str, ...]:
-    """Where a dotted name stands in the tables of a scene; others: texts that take the place of its
-    expressions. Raises InputError, with the field that is named, for a name that does not stand in
-    any table, that is no single value, or that is one of a number which no expression names. A
-    number in the text of an expression goes by its place there."""
+    """Keys from the outermost table in to a dotted name; others: texts that replace the scene's
+    expressions. Raises InputError, with the field that is named, for a name that is in no table,
+    that is no single value, or that is one of a number which no expression names. A number in the
+    text of an expression goes by its index there."""
     *outer, last = name.split(".")
     found_at: list[str] = []
     for key in [*outer, last]:
-        inner = entry(scene, *found_at)
+        inner = get_at(scene, *found_at)
         if isinstance(inner, list):
-            found_at.append(str(_key_in(inner, key, name, found_at, field)))
+            found_at.append(str(_key_or_index(inner, key, name, found_at, field)))
             continue
         if isinstance(inner, str) and key is last and number_at(inner, key) is not None:
             return (*found_at, key)
@@ -183,11 +183,11 @@ def key_place(
             allowed = f"a key of the scene {has}{did_you_mean(key, known)}"
             raise InputError(field, name, allowed)
         found_at.append(key)
-    found = entry(scene, *found_at[:-1])
+    found = get_at(scene, *found_at[:-1])
     value = found[int(found_at[-1])] if isinstance(found, list) else found.get(found_at[-1])
     if isinstance(value, dict | list) or found_at == ["name"]:
         inside = f", such as {name}.{next(iter(value), 0)}" if isinstance(value, dict) else ""
         inside = f", such as {name}.0" if isinstance(value, list) else inside
         raise InputError(field, name, f"a key that has one value{inside}")
-    check_named(scene, found_at, (field, name), others)
+    check_number_in_use(scene, found_at, (field, name), others)
     return tuple(found_at)

@@ -11,8 +11,8 @@ import numpy as np
 
 from rodgen.arrays import Array
 from rodgen.errors import InputError
-from rodgen.scene.bounds import between, outside, sides
-from rodgen.scene.expression import Difference, Expression, Numbers, parsed
+from rodgen.scene.bounds import find_out_of_bounds, with_neighbours, zeros_on_grid
+from rodgen.scene.expression import Difference, Expression, Numbers, parse_expression
 
 Along = float | list[float] | str  # a number, values along the rod, or an expression in s
 GAUSS = 5
@@ -28,8 +28,8 @@ BREAKS = 10_000  # at both sides of which an expression in t is looked at; of mo
 
 @dataclass(frozen=True)
 class Law:
-    """A value along a rod: a number, one for every joint or link, or an expression; numbers: those
-    that expressions call by names; names: what these may be functions of, of s and t."""
+    """A value along a rod: a number, one for every joint or link, or an expression; numbers: values
+    of the names in expressions; names: the variables that these may have, of s and t."""
 
     value: Along
     field: str
@@ -37,80 +37,80 @@ class Law:
     names: str = "s"
 
     @property
-    def even(self) -> float | None:
-        """The number that it is all along the rod and at all times; None where it differs."""
+    def uniform_value(self) -> float | None:
+        """Its value, if constant along the rod and in time; else None."""
         if isinstance(self.value, str):
             found = self.expression
-            return float(found(0.0)) if found.constant else None
+            return float(found(0.0)) if found.is_constant else None
         return None if isinstance(self.value, list) else self.value
 
     @property
-    def changes(self) -> bool:
+    def is_time_dependent(self) -> bool:
         """Whether it is a function of time."""
-        return isinstance(self.value, str) and "t" in self.names and self.expression.changes
+        return isinstance(self.value, str) and "t" in self.names and self.expression.has_variable
 
     def check(
         self, links: int, count: int, least: float = 0.0, span: Sequence[float] = (0.0, 0.0)
     ) -> None:
-        """Raise InputError for a list that is not of so many values, and for an expression that is
-        not finite or smaller than least at some s and some time of the span."""
+        """Raise InputError for a list of another length than `count`, and for an expression that is
+        not finite or below `least` at some s and some time of the span."""
         if isinstance(self.value, list) and len(self.value) != count:
             what = "joint" if count > links else "link"
             allowed = f"a list of {count} values, one for every {what}"
             raise InputError(self.field, self.value, allowed)
         if not isinstance(self.value, str):
             return
-        wrong = _wrong(self, links, (span[0], span[1]), least)
+        wrong = _describe_violation(self, links, (span[0], span[1]), least)
         if wrong:
             limit = "above 0" if least else "at least 0"
             raise InputError(self.field, self.value, f"finite and {limit} {wrong}")
 
     def check_poles(self, span: Sequence[float]) -> None:
-        """Raise InputError for an expression that grows beyond all bounds towards some s of the rod
-        while others do not; one that does so all along it at some time ends a run there."""
+        """Raise InputError for an expression with a pole at some s of the rod. One that is infinite
+        all along the rod at some time is left alone: it ends a run there."""
         if isinstance(self.value, str) and "s" in self.names:
-            found = _pole_along(self, (span[0], span[1]))
+            found = _first_pole_along(self, (span[0], span[1]))
             if found is not None:
-                when = f" and t = {found[0]:.6g}" if self.changes else ""
+                when = f" and t = {found[0]:.6g}" if self.is_time_dependent else ""
                 allowed = f"finite all along the rod (it has a pole at s = {found[1]:.6g}{when})"
                 raise InputError(self.field, self.value, allowed)
 
     def at(self, places: Array, t: float = 0.0) -> Array:
-        """Its values at some s; not of a list."""
+        """Values at places s and a time t; not of a list."""
         given: object = self.value
         if isinstance(self.value, str) and self.names == "s":
             given = self.expression(places)
         elif isinstance(self.value, str):
-            given = self.expression.value(np.asarray(t, dtype=float), {"s": places})
+            given = self.expression.evaluate(np.asarray(t, dtype=float), {"s": places})
         return np.broadcast_to(np.asarray(given, dtype=float), places.shape)
 
-    def of_links(self, links: int, t: float = 0.0) -> list[float]:
-        """A number for every link: its own, or the mean over it. Raises InputError where that is
-        not finite."""
+    def link_values(self, links: int, t: float = 0.0) -> list[float]:
+        """Value of every link: its own, or the mean over it. Raises InputError where that is not
+        finite."""
         if isinstance(self.value, list):
             return self.value
         if not isinstance(self.value, str):
             return [self.value] * links
-        places = points(links)
+        places = gauss_points(links)
         values = self.at(places, t)
         wrong = ~np.isfinite(values)
         if wrong.any():
             allowed = f"finite all along the rod (not as at s = {places[wrong][0]:.6g})"
             raise InputError(self.field, self.value, allowed)
-        return [float(mean) for mean in means(values)]
+        return [float(mean) for mean in cell_means(values)]
 
     @property
     def expression(self) -> Expression:
-        """Its expression, where it is one."""
+        """The expression of a value that is text."""
         assert isinstance(self.value, str)
-        return _expression(self.value, self.field, self.numbers, self.names)
+        return _parse(self.value, self.field, self.numbers, self.names)
 
 
-def _expression(text: str, field: str, numbers: Numbers, names: str) -> Expression:
-    """An expression in s, in t or in both."""
+def _parse(text: str, field: str, numbers: Numbers, names: str) -> Expression:
+    """Parse an expression in s, in t or in both."""
     if names == "s":
-        return parsed(text, "s", field, numbers)
-    found = parsed(text, "t", field, numbers, ("s",) if "s" in names else None)
+        return parse_expression(text, "s", field, numbers)
+    found = parse_expression(text, "t", field, numbers, ("s",) if "s" in names else None)
     if found.sensors:
         allowed = "an expression that no sensor is in: it does not follow the motion"
         raise InputError(field, text, allowed)
@@ -118,42 +118,44 @@ def _expression(text: str, field: str, numbers: Numbers, names: str) -> Expressi
 
 
 @lru_cache(maxsize=64)
-def _wrong(law: Law, links: int, span: tuple[float, float], least: float) -> str:
-    """Where and when an expression is not finite or smaller than least, in words; empty where it
-    never is."""
-    found = outside(_field(law), _times(law, span), _places(law, links, span), least)
-    found = found or next(_poles(law, span), None)
+def _describe_violation(law: Law, links: int, span: tuple[float, float], least: float) -> str:
+    """Words on where and when an expression is not finite or below `least`; empty where it never
+    is."""
+    found = find_out_of_bounds(
+        _as_field(law), _sample_times(law, span), _sample_places(law, links, span), least
+    )
+    found = found or next(_find_poles(law, span), None)
     if found is None:
         return ""
     t, s, value = found
     at = f"s = {s:.6g}" if "s" in law.names else ""
-    when = f"t = {t:.6g}" if law.changes else ""
+    when = f"t = {t:.6g}" if law.is_time_dependent else ""
     where = " and ".join(filter(None, (at, when)))
     everywhere = "all along the rod" if "s" in law.names else "all the time"
     return f"{everywhere} (not {value:g}, as at {where})"
 
 
-def _poles(law: Law, span: tuple[float, float]) -> Iterator[tuple[float, ...]]:
-    """Times and places towards which an expression grows beyond all bounds."""
+def _find_poles(law: Law, span: tuple[float, float]) -> Iterator[tuple[float, ...]]:
+    """Yield time, place and value, which is infinite, of poles of an expression."""
     e = law.expression
-    if not e.denominators():
+    if not e.open_divisors():
         return
-    if "s" in law.names and (along := _pole_along(law, span)):
+    if "s" in law.names and (along := _first_pole_along(law, span)):
         yield (*along, np.inf)
-    if law.names != "s" and law.changes:
+    if law.names != "s" and law.is_time_dependent:
         for s in SOME:
             there = replace(e, states=None, numbers=(*e.numbers, ("s", s)))
             yield from ((t, s, np.inf) for t in there.poles(*span))
 
 
 @lru_cache(maxsize=64)
-def _pole_along(law: Law, span: tuple[float, float]) -> tuple[float, float] | None:
-    """The first time at which an expression is looked at, and the place of the rod towards which it
-    then grows beyond all bounds; None where there is none."""
+def _first_pole_along(law: Law, span: tuple[float, float]) -> tuple[float, float] | None:
+    """First sampled time at which an expression has a pole along the rod, and its place; None where
+    there is none."""
     e = law.expression
     if not e.divisors():
         return None
-    times = np.linspace(*span, STAGES) if law.changes else np.array(span[:1])
+    times = np.linspace(*span, STAGES) if law.is_time_dependent else np.array(span[:1])
     for t in times.tolist():
         try:
             known = (*e.numbers, ("t", t))
@@ -165,58 +167,60 @@ def _pole_along(law: Law, span: tuple[float, float]) -> tuple[float, float] | No
     return None
 
 
-def _field(law: Law) -> Callable[[Any, Any], Any]:
+def _as_field(law: Law) -> Callable[[Any, Any], Any]:
     """An expression as a function of times and places."""
     e = law.expression
     return (
-        (lambda t, s: e.value(s, {})) if law.names == "s" else (lambda t, s: e.value(t, {"s": s}))
+        (lambda t, s: e.evaluate(s, {}))
+        if law.names == "s"
+        else (lambda t, s: e.evaluate(t, {"s": s}))
     )
 
 
-def _times(law: Law, span: tuple[float, float]) -> Array:
-    """Times at which an expression is looked at."""
-    if not law.changes:
+def _sample_times(law: Law, span: tuple[float, float]) -> Array:
+    """Times at which an expression is sampled."""
+    if not law.is_time_dependent:
         return np.array(span[:1])
     e, grid = law.expression, np.linspace(*span, MOMENTS)
-    poles = (partial(_alone, one, s=s) for one in e.denominators() for s in SOME)
+    poles = (partial(_evaluate_in_time, one, s=s) for one in e.open_divisors() for s in SOME)
     breaks = e.breaks(*span)
-    found = {*breaks[:: len(breaks) // BREAKS + 1], *between(poles, grid)}
-    return np.unique(np.concatenate((grid, sides(found, *span))))
+    found = {*breaks[:: len(breaks) // BREAKS + 1], *zeros_on_grid(poles, grid)}
+    return np.unique(np.concatenate((grid, with_neighbours(found, *span))))
 
 
-def _alone(difference: Difference, t: Any, s: Any) -> Any:
-    """What an expression in t compares or divides by, at a time and a place."""
+def _evaluate_in_time(difference: Difference, t: Any, s: Any) -> Any:
+    """Evaluate a difference or divisor of an expression in t, at times and places."""
     return difference(t, {"s": s})
 
 
-def _places(law: Law, links: int, span: tuple[float, float]) -> Array:
-    """Places at which an expression is looked at: those at which links sum it up among them."""
+def _sample_places(law: Law, links: int, span: tuple[float, float]) -> Array:
+    """Places at which an expression is sampled, those at which links sum it up among them."""
     if "s" not in law.names:
         return np.zeros(1)
-    grid, each = (GRID[::10], min(links, CELLS)) if law.changes else (GRID, 2 * links)
+    grid, each = (GRID[::10], min(links, CELLS)) if law.is_time_dependent else (GRID, 2 * links)
     e = law.expression
-    parts, knots = [*e.corners().values(), *e.denominators()], list[float]()
+    parts, knots = [*e.corners().values(), *e.open_divisors()], list[float]()
     if law.names == "s":
-        knots, alone = e.knots(), [partial(_along, one) for one in parts]
+        knots, alone = e.knots(), [partial(_evaluate_along_rod, one) for one in parts]
     else:
-        times = {span[0], sum(span) / 2, span[1]} if law.changes else {span[0]}
-        alone = [partial(_alone, one, t) for one in parts for t in times]
-    found = sides([*between(alone, grid), *knots], 0.0, 1.0)
-    return np.unique(np.concatenate((grid, points(each).ravel(), found)))
+        times = {span[0], sum(span) / 2, span[1]} if law.is_time_dependent else {span[0]}
+        alone = [partial(_evaluate_in_time, one, t) for one in parts for t in times]
+    found = with_neighbours([*zeros_on_grid(alone, grid), *knots], 0.0, 1.0)
+    return np.unique(np.concatenate((grid, gauss_points(each).ravel(), found)))
 
 
-def _along(difference: Difference, s: Any) -> Any:
-    """What an expression in s compares or divides by, at a place."""
+def _evaluate_along_rod(difference: Difference, s: Any) -> Any:
+    """Evaluate a difference or divisor of an expression in s, at places."""
     return difference(s, {})
 
 
-def points(cells: int) -> Array:
+def gauss_points(cells: int) -> Array:
     """Places s of the Gauss points of equal cells, (cells, GAUSS)."""
     places: Array = (np.arange(cells)[:, None] + POINTS) / cells
     return places
 
 
-def means(values: Array) -> Array:
+def cell_means(values: Array) -> Array:
     """Means over cells from values at their Gauss points."""
     means: Array = values @ WEIGHTS
     return means

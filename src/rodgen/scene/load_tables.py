@@ -10,8 +10,8 @@ from pydantic import Field, create_model
 from rodgen.model.parameter import ANY, JOINTS, LINKS, NOT_NEGATIVE, POSITIVE, Parameter
 from rodgen.model.term import Term
 from rodgen.model.terms import TERMS
-from rodgen.scene.places import place_of
-from rodgen.scene.plain import entry
+from rodgen.scene.plain_tables import get_at
+from rodgen.scene.rod_points import place_text
 from rodgen.scene.tables import (
     Factors,
     Finite,
@@ -42,7 +42,7 @@ RULES: dict[str, Any] = {ANY: Finite, NOT_NEGATIVE: NotNegative, POSITIVE: Posit
 VALUES: dict[str, Any] = {ANY: Values, NOT_NEGATIVE: Factors, POSITIVE: Sizes}
 
 
-def _field(parameter: Parameter) -> tuple[Any, Any]:
+def _make_field(parameter: Parameter) -> tuple[Any, Any]:
     """Type and default of a key, for pydantic."""
     if parameter.each == JOINTS:
         return FinFactor | Factors, FinFactor()
@@ -54,11 +54,11 @@ def _field(parameter: Parameter) -> tuple[Any, Any]:
     )
 
 
-def _load_table(term: Term) -> type[Table]:
-    """The table of a term in [loads], a class of this module, so that scenes can be pickled."""
+def _make_load_table(term: Term) -> type[Table]:
+    """Make the class of a term's table in [loads], in this module so that scenes can be pickled."""
     name = term.table.title().replace("_", "")
-    fields: dict[str, Any] = {one.key: _field(one) for one in term.parameters}
-    for key, default in term.beginning.items():
+    fields: dict[str, Any] = {one.key: _make_field(one) for one in term.parameters}
+    for key, default in term.initial_table.items():
         if isinstance(default, list):
             kind, _ = fields[key]
             # A type that is known when this runs, which annotations are not asked to tell.
@@ -71,19 +71,19 @@ def _load_table(term: Term) -> type[Table]:
     return made
 
 
-def _tables_of(term: Term) -> Any:
-    """What a scene may have of a term: a table or, of one at a place, several."""
-    one = _load_table(term)
+def _table_type(term: Term) -> Any:
+    """Type of a term's key in [loads]: a table or, for a load at a place, several."""
+    one = _make_load_table(term)
     # A type that is known when this runs, as above.
     several = Annotated[list[one], Field(max_length=MOST_PLACED)]  # type: ignore[valid-type]
     return one | several | None if term.placed else one | None
 
 
-LOADS = [term for term in TERMS.values() if term.loads]
+LOADS = [term for term in TERMS.values() if term.is_load]
 
 
 class LoadTables(Table):
-    """What is asked of the loads of a scene, whichever there are."""
+    """Base class of [loads], with properties that hold for any set of loads."""
 
     if TYPE_CHECKING:  # a table for every term
 
@@ -92,15 +92,15 @@ class LoadTables(Table):
     @property
     def terms(self) -> tuple[str, ...]:
         """Names of the loads whose tables are there."""
-        return tuple(self._tables)
+        return tuple(self._table_keys)
 
     @property
-    def following(self) -> tuple[str, ...]:
-        """Those of them that turn with the rod."""
+    def follower_loads(self) -> tuple[str, ...]:
+        """Names of the loads that turn with the rod."""
         return tuple(name for name in self.terms if TERMS[name].follows)
 
     @cached_property
-    def _tables(self) -> dict[str, tuple[str, ...]]:
+    def _table_keys(self) -> dict[str, tuple[str, ...]]:
         """Keys of the table of every load, by name."""
         found: dict[str, tuple[str, ...]] = {}
         for term in LOADS:
@@ -113,34 +113,34 @@ class LoadTables(Table):
         return found
 
     @property
-    def places(self) -> dict[str, tuple[str, ...]]:
+    def key_paths(self) -> dict[str, tuple[str, ...]]:
         """Keys of every parameter of these loads in a scene, from the outermost table in."""
-        return self._places
+        return self._key_paths
 
     @cached_property
-    def _places(self) -> dict[str, tuple[str, ...]]:
+    def _key_paths(self) -> dict[str, tuple[str, ...]]:
         return {
-            one.name: ("loads", *keys, *one.keys)
-            for name, keys in self._tables.items()
+            one.name: ("loads", *keys, *one.key_path)
+            for name, keys in self._table_keys.items()
             for one in TERMS[name].parameters
         }
 
     @property
     def parameters(self) -> tuple[str, ...]:
-        """Parameters of these loads."""
-        return tuple(self.places)
+        """Names of the parameters of these loads."""
+        return tuple(self.key_paths)
 
-    def structure(self, links: int) -> tuple[str, ...]:
-        """These loads as a structure of so many links has them."""
+    def terms_with_places(self, links: int) -> tuple[str, ...]:
+        """Names of the loads with their positions on the links."""
         found = []
-        for name, keys in self._tables.items():
-            place = place_of(getattr(entry(self, *keys), "at", 1.0), links)
-            found.append(f"{TERMS[name].kind_name}@{place}" if place else TERMS[name].kind_name)
+        for name, keys in self._table_keys.items():
+            place = place_text(getattr(get_at(self, *keys), "at", 1.0), links)
+            found.append(f"{TERMS[name].base_name}@{place}" if place else TERMS[name].base_name)
         return tuple(found)
 
     def value(self, name: str) -> Any:
         """Value of one of these parameters, as the scene has it."""
-        return entry(self, *self.places[name][1:])
+        return get_at(self, *self.key_paths[name][1:])
 
 
 if TYPE_CHECKING:
@@ -151,5 +151,5 @@ else:
         __base__=LoadTables,
         __module__=__name__,
         __doc__="The loads that the scene has; those that are absent are not in its equations.",
-        **{term.table: (_tables_of(term), None) for term in LOADS},
+        **{term.table: (_table_type(term), None) for term in LOADS},
     )

@@ -34,7 +34,7 @@ def parse_table(name: str, given: Any) -> TableData:
     field = f"tables.{name}"
     if not isinstance(given, Mapping) or given.keys() != {KNOTS, VALUES}:
         raise InputError(field, given, f"a table of {KNOTS} and {VALUES}")
-    knots, values = (_numbers(f"{field}.{key}", given[key]) for key in (KNOTS, VALUES))
+    knots, values = (_parse_numbers(f"{field}.{key}", given[key]) for key in (KNOTS, VALUES))
     if not 2 <= len(knots) <= MOST_ROWS:
         raise InputError(f"{field}.{KNOTS}", len(knots), f"2 to {MOST_ROWS} numbers")
     if len(values) != len(knots):
@@ -47,7 +47,7 @@ def parse_table(name: str, given: Any) -> TableData:
     return TableData(knots, values)
 
 
-def _numbers(field: str, given: Any) -> NDArray[np.float64]:
+def _parse_numbers(field: str, given: Any) -> NDArray[np.float64]:
     """Convert a list of finite numbers to an array. Raises InputError."""
     if not isinstance(given, list) or not set(map(type, given)) <= {int, float}:
         raise InputError(field, given, "a list of numbers")

@@ -1,4 +1,4 @@
-"""Scenes: how they come in and go out as files, tables and examples, and scenes made of scenes."""
+"""Scenes: read and written as files, tables and examples, and copied with other values."""
 
 from __future__ import annotations
 
@@ -12,26 +12,49 @@ import tomli_w
 from rodgen.display import Plottable
 from rodgen.errors import InputError
 from rodgen.model.terms import TERMS
-from rodgen.scene.examples import example, examples
-from rodgen.scene.files import TABLES, with_tables
-from rodgen.scene.integration import AUTO, Integrate, Settings, spelt_out
-from rodgen.scene.keys import NUMBERS, at_keys, check_named, key_place, put_values
+from rodgen.scene.examples import examples, find_example
+from rodgen.scene.integration import AUTO, IntegrationSettings, IntegrationTable, with_keywords
+from rodgen.scene.keys import NUMBERS, check_number_in_use, find_key, set_values, value_at
 from rodgen.scene.lookup_table import to_lists
 from rodgen.scene.mesh import with_links
-from rodgen.scene.plain import plain, read_table
+from rodgen.scene.plain_tables import read_toml, to_plain
+from rodgen.scene.scene_files import TABLES, read_table_files
 from rodgen.scene.scene_tables import SceneTables
 from rodgen.scene.structure import check_links
-from rodgen.scene.unused_names import unused_names
+from rodgen.scene.unused_names import find_unused_names
 
 LINKS = "rod.links"
 
 # Members that only systems, analyses and the making of modules read.
 PARTS = frozenset(
     (
-        *("along", "along_at", "anchors", "check_used", "course", "distribution"),
-        *("distribution_at", "expression", "expressions", "fed", "field", "held", "hold"),
-        *("integrated", "integrated_by", "place", "rates", "slack", "spring_law", "timed"),
-        *("unused", "with_settings"),
+        *(
+            "loads_along_rod",
+            "link_values_at",
+            "anchors",
+            "check_numbers_in_use",
+            "time_functions",
+            "distribution",
+        ),
+        *(
+            "distribution_at",
+            "expression",
+            "expressions",
+            "feedback_loads",
+            "key_of",
+            "n_fixed_links",
+            "boundary_condition",
+        ),
+        *(
+            "with_checked_settings",
+            "with_method",
+            "key_path",
+            "state_rates",
+            "has_no_tangent_stiffness",
+            "spring_law",
+            "time_laws",
+        ),
+        *("unused_names", "with_settings"),
     )
 )
 
@@ -70,7 +93,7 @@ class Scene(SceneTables, Plottable):
     __str__ = __repr__
 
     def __dir__(self) -> list[str]:
-        """What an editor offers: not what only those need who extend rodgen."""
+        """Names that editors complete, without those that only extensions of rodgen need."""
         return [name for name in super().__dir__() if name not in PARTS]
 
     @classmethod
@@ -84,16 +107,16 @@ class Scene(SceneTables, Plottable):
         if path.stem in examples() and not path.exists():
             copied = f"a file that is there; `rodgen new {path.stem} --like {path.stem}` writes it"
             raise InputError("scene", str(path), copied)
-        table = read_table(path)
+        table = read_toml(path)
         try:
-            return cls.from_dict(with_tables(table, path.parent))
+            return cls.from_dict(read_table_files(table, path.parent))
         except InputError as error:
             error.add_note(f"in {path}")
             raise
 
     @classmethod
     def from_dict(cls, table: dict[str, Any]) -> Self:
-        """A scene of tables that are there already, checked as those of a file.
+        """Make a scene from a dictionary of tables, checked as those of a file.
 
         table: all of them, by their names.
         """
@@ -107,28 +130,28 @@ class Scene(SceneTables, Plottable):
 
     @classmethod
     def example(cls, name: str) -> Self:
-        """One of the scenes that come with rodgen.
+        """Load one of the scenes that come with rodgen.
 
         name: its name, such as "missile"; `rodgen scenes` lists them.
 
         Raises InputError, which names them all.
         """
-        return cls.from_toml(example(name))
+        return cls.from_toml(find_example(name))
 
     def to_dict(self) -> dict[str, Any]:
-        """The tables of the scene, without what it leaves out; `from_dict` makes it of them."""
+        """Convert to a dictionary of tables, without absent keys, which `from_dict` reads."""
         made = self.model_dump(exclude_none=True)
         if TABLES in made:
             made[TABLES] = {name: to_lists(table) for name, table in made[TABLES].items()}
         return made
 
     def to_toml(self) -> str:
-        """The text of a TOML file from which `from_toml` makes a scene equal to this one; numbers
-        of tables that were read from files stand in it."""
+        """Write the scene as text of a TOML file, which `from_toml` reads to an equal scene;
+        numbers of tables that were read from files stand in it."""
         return tomli_w.dumps(self.to_dict())
 
     def replace(self, changes: Mapping[str, Any] | None = None, /, **others: Any) -> Scene:
-        """A scene with other values of keys, by their dotted names, checked as in a file.
+        """Copy with other values of keys, by their dotted names, checked as in a file.
 
         changes: values by names, in SI units; others: none, since dotted names are no keywords.
 
@@ -142,27 +165,29 @@ class Scene(SceneTables, Plottable):
         if others or not isinstance(changes, Mapping):
             allowed = 'a dictionary of values by dotted names, such as {"rod.length": 3}'
             raise InputError("changes", others or changes, allowed)
-        given = {str(name): plain(value, str(name)) for name, value in changes.items()}
+        given = {str(name): to_plain(value, str(name)) for name, value in changes.items()}
         made = with_values(self, given)
-        made.check_used(given)
+        made.check_numbers_in_use(given)
         return made
 
     @cached_property
-    def unused(self) -> tuple[str, ...]:
+    def unused_names(self) -> tuple[str, ...]:
         """Sentences on the numbers and tables that no expression names."""
         if not (self.numbers or self.tables):
             return ()
         given = self.model_dump(exclude_none=True)
-        return tuple(unused_names(given, self.numbers, self.tables))
+        return tuple(find_unused_names(given, self.numbers, self.tables))
 
-    def check_used(self, given: Mapping[str, Any]) -> None:
+    def check_numbers_in_use(self, given: Mapping[str, Any]) -> None:
         """Raise InputError for values, by their keys, of numbers that no expression names.
 
         given: values by dotted names.
         """
         for name, value in given.items():
             if name.startswith(f"{NUMBERS}.") and value is not None:
-                check_named(self.model_dump(exclude_none=True), name.split("."), (name, value))
+                check_number_in_use(
+                    self.model_dump(exclude_none=True), name.split("."), (name, value)
+                )
 
     def value_of(self, key: str, field: str = "vary") -> Any:
         """The value of a key, None where it is left out.
@@ -172,22 +197,22 @@ class Scene(SceneTables, Plottable):
         Raises InputError for what is no key with one value.
         """
         table = self.model_dump(exclude_none=True)
-        return at_keys(table, key_place(table, key, field))
+        return value_at(table, find_key(table, key, field))
 
-    @spelt_out
-    def with_integrate(self, **given: Unpack[Settings]) -> Self:
-        """A scene with other values in [integrate]; those that are None are left.
+    @with_keywords
+    def with_integrate(self, **given: Unpack[IntegrationSettings]) -> Self:
+        """Copy with other values in [integrate]; None keeps a value.
 
-        A tolerance takes the place of a step of the scene, where the method has a use for either;
-        another output_every that of t_eval.
+        A tolerance replaces a step of the scene where the method can use either, and output_every
+        replaces t_eval.
         """
         settings = self.integrate.with_values(**given)
         if settings is self.integrate:
             return self
-        return self.integrated(settings)
+        return self.with_checked_settings(settings)
 
-    def integrated(self, settings: Integrate) -> Self:
-        """A scene with other settings, checked as far as it depends on them.
+    def with_checked_settings(self, settings: IntegrationTable) -> Self:
+        """Copy with other settings, checked as far as it depends on them.
 
         settings: all of [integrate].
 
@@ -198,18 +223,18 @@ class Scene(SceneTables, Plottable):
             made._check_span()
         return made
 
-    def with_settings(self, settings: Integrate) -> Self:
-        """A scene with settings that were checked, which needs no other check.
+    def with_settings(self, settings: IntegrationTable) -> Self:
+        """Copy with settings that were checked already; nothing else is checked.
 
         settings: all of [integrate].
         """
         made = self.model_copy(update={"integrate": settings})
-        made.__dict__.pop("_course", None)
+        made.__dict__.pop("_time_functions", None)
         return made
 
-    def integrated_by(self, method: str) -> Scene:
-        """A scene with the method that was found for it; what `auto` finds is no method of equal
-        steps, whatever the step that stands in the scene.
+    def with_method(self, method: str) -> Scene:
+        """Copy with the method that was chosen for it. What `auto` chooses takes no equal steps,
+        whatever the step in the scene.
 
         method: its name.
         """
@@ -219,8 +244,8 @@ class Scene(SceneTables, Plottable):
         return self.with_settings(self.integrate.model_copy(update=found))
 
     def with_links(self, links: int) -> Self:
-        """A scene of this rod with another number of links: coefficients of damping that belong to
-        a number of links are converted, c_int by (n'/n)^2, a fin by n'/n.
+        """Copy with another number of links: coefficients of damping that depend on the number of
+        links are converted, c_int by (n'/n)^2, a fin by n'/n.
 
         links: how many.
 
@@ -231,12 +256,12 @@ class Scene(SceneTables, Plottable):
 
 
 def with_values(scene: Scene, given: Mapping[str, Any]) -> Scene:
-    """The scene with plain values of keys, as `Scene.replace` makes it; a number that no expression
-    names may be among them. Raises InputError."""
+    """Copy of a scene with plain values of keys, as by `Scene.replace`; also of numbers that no
+    expression names. Raises InputError."""
     table, links = scene.model_dump(exclude_none=True), given.get(LINKS)
     if links not in (None, scene.rod.links):
         check_links(links, scene.rod.boundary, LINKS)
         table = scene.with_links(links).model_dump(exclude_none=True)
         given = {name: value for name, value in given.items() if name != LINKS}
-    put_values(table, given, type(scene))
+    set_values(table, given, type(scene))
     return scene.from_dict(table)

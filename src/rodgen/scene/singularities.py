@@ -1,4 +1,4 @@
-"""Where functions of t or s are not smooth, grow beyond all bounds, and how fast they swing."""
+"""Break points, poles and half-periods of functions of t or s."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from typing import Any, Protocol
 
 import numpy as np
 
-from rodgen.scene.zeros import sampled, zeros
+from rodgen.scene.zeros import sample, zeros
 
 FEWEST_TURNS = 3  # of what swings
 COMMON = 0.2  # share of the times between turns that are shorter
@@ -21,7 +21,7 @@ NEARER, LARGER = 2.0 ** np.array([-20, -32, -44]), 7.9
 
 
 class RealFunction(Protocol):
-    """Function of one variable that tells where it may not be smooth."""
+    """Interface of functions of one variable that tell where they may not be smooth."""
 
     def __call__(self, at: Any) -> Any:
         """Values at numbers."""
@@ -30,12 +30,12 @@ class RealFunction(Protocol):
         """Functions in whose zeros it is not smooth."""
 
     def knots(self) -> list[float]:
-        """Other places where it is not."""
+        """Other places where it is not smooth."""
 
     def divisors(self) -> list[Callable[[Any], Any]]:
         """Functions by which it divides."""
 
-    def affine(self) -> tuple[RealFunction, float, float]:
+    def split_affine(self) -> tuple[RealFunction, float, float]:
         """Split it into a*core + b: core, a, b."""
 
 
@@ -49,33 +49,33 @@ def breaks(e: RealFunction, start: float, end: float) -> tuple[float, ...]:
 def poles(e: RealFunction, start: float, end: float) -> tuple[float, ...]:
     scale = max(abs(start), abs(end))
 
-    def grows(x: float, side: int) -> bool:
+    def is_pole(x: float, side: int) -> bool:
         points = x + side * scale * NEARER
         sizes = np.abs(np.broadcast_to(e(points), points.shape))  # of what does not change, one
         larger = bool((sizes[1:] > LARGER * sizes[:-1]).all()) or np.isinf(sizes[-1])
         return bool(start <= points[0] <= end and larger)
 
     found = zeros([*e.kinks(), *e.divisors()], start, end)
-    return tuple(x for x in found if grows(x, 1) or grows(x, -1))
+    return tuple(x for x in found if is_pole(x, 1) or is_pole(x, -1))
 
 
 @lru_cache(maxsize=256)
-def swing(e: RealFunction, start: float, end: float) -> tuple[float, bool]:
-    core, a, b = e.affine()
+def half_period(e: RealFunction, start: float, end: float) -> tuple[float, bool]:
+    core, a, b = e.split_affine()
 
-    def turns_of(values: Any) -> Any:
+    def turning_points(values: Any) -> Any:
         finite = values[np.isfinite(values)]
-        return _turns(values, TURNS * np.abs(a * finite + b).max(initial=0.0) / abs(a))
+        return _turning_points(values, TURNS * np.abs(a * finite + b).max(initial=0.0) / abs(a))
 
-    grid, values, enough = sampled(core, start, end, lambda values: len(turns_of(values)))
-    turns = grid[turns_of(values)]
+    grid, values, enough = sample(core, start, end, lambda values: len(turning_points(values)))
+    turns = grid[turning_points(values)]
     if len(turns) < FEWEST_TURNS:
         return math.inf, enough
     return float(np.quantile(np.diff(turns), COMMON) + grid[1] - grid[0]), enough
 
 
-def _turns(values: Any, least: float) -> Any:
-    """Where values that rise begin to fall, or the other way, by more than rounding."""
+def _turning_points(values: Any, least: float) -> Any:
+    """Indices at which values turn from rising to falling or back, by more than rounding."""
     change = np.diff(values)
     moves = np.flatnonzero(np.abs(change) > least)
     return moves[1:][change[moves[1:]] * change[moves[:-1]] < 0]

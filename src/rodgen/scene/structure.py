@@ -1,4 +1,4 @@
-"""What a generated module is specialised to: no values, only what is there and what is not."""
+"""Structure of a scene, to which its module is specialised: terms and expressions, no values."""
 
 from __future__ import annotations
 
@@ -17,19 +17,19 @@ from rodgen.model.rod import (
     BOUNDARIES,
     CLAMP_ANGLE,
     INERTIAS,
+    NONUNIFORM,
     ROD,
     STEADY,
     TANK,
-    UNEVEN,
     Boundary,
     tank_row,
 )
-from rodgen.model.terms import PARAMETERS, TERMS, THESIS_TERMS, named
-from rodgen.scene import spring
+from rodgen.model.terms import PARAMETERS, TERMS, THESIS_TERMS, load_places
+from rodgen.scene import spring_law
 from rodgen.scene.expression import Expression, open_expression
 from rodgen.scene.grammar import Sensor
-from rodgen.scene.numbers import check_name, mass_of, row_of, row_of_table
-from rodgen.scene.plain import plain
+from rodgen.scene.number_names import check_name, mass_name, number_parameter, table_parameter
+from rodgen.scene.plain_tables import to_plain
 
 MOST_LINKS = 10**6
 PLACE = re.compile(r"(0|[1-9][0-9]{0,6})(?:\+([1-9][0-9]{0,30}/[1-9][0-9]{0,30}))?")
@@ -43,7 +43,7 @@ class Structure:
     names of the loads and of what else acts, with a place if that is not the tail
     (follower@6+1/10: on link 6, at a tenth of it); expressions: loads that are functions of time or
     of the motion, by parameter, as canonical text (part of the code; their numbers are parameters);
-    uneven: what differs along the rod, of "stiffness", "mass", "bodies" and "points"; states: added
+    nonuniform: what differs along the rod: "stiffness", "mass", "bodies", "points"; states: added
     states by name, with their rates as such text; spring: law of the springs as such text, "" for
     the moment k d; masses: masses that are functions of time, as such text, by name of the body and
     its link ("" and -1 for the links themselves); tables: how many rows those tables have whose
@@ -55,7 +55,7 @@ class Structure:
     >>> structure = rodgen.Structure(2, "pinned", terms=("gravity",))
     >>> structure.stem, structure.parameters
     ('rod_pinned_n2_gravity', ('mass', 'length', 'bending_stiffness', 'gravity'))
-    >>> structure.module_stem("c"), structure.width, structure.positions["gravity"]
+    >>> structure.module_stem("c"), structure.width, structure.indices["gravity"]
     ('rod_pinned_n2_gravity_c', 4, 3)
     >>> structure.state_names, structure.hash == rodgen.Structure(3, "pinned").hash
     ((), False)
@@ -66,40 +66,44 @@ class Structure:
     inertia: str = "uniform"
     terms: tuple[str, ...] = THESIS_TERMS
     expressions: tuple[tuple[str, str], ...] = field(default=())
-    uneven: tuple[str, ...] = ()
+    nonuniform: tuple[str, ...] = ()
     states: tuple[tuple[str, str], ...] = ()
     spring: str = ""
     masses: tuple[tuple[str, int, str], ...] = ()
     tables: tuple[tuple[str, int], ...] = ()
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "links", plain(self.links, "links"))
-        choose("boundary", self.boundary, BOUNDARIES)
-        choose("inertia", self.inertia, INERTIAS)
+        object.__setattr__(self, "links", to_plain(self.links, "links"))
+        check_choice("boundary", self.boundary, BOUNDARIES)
+        check_choice("inertia", self.inertia, INERTIAS)
         for term in self.terms:
             _check_term(term, self.links)
-        for what in self.uneven:
-            choose("uneven", what, UNEVEN)
-        object.__setattr__(self, "uneven", tuple(what for what in UNEVEN if what in self.uneven))
-        weighed = [what for what in self.uneven if what != "stiffness"]
+        for what in self.nonuniform:
+            check_choice("nonuniform", what, NONUNIFORM)
+        object.__setattr__(
+            self, "nonuniform", tuple(what for what in NONUNIFORM if what in self.nonuniform)
+        )
+        weighed = [what for what in self.nonuniform if what != "stiffness"]
         if len(weighed) > 1:
-            raise InputError("uneven", weighed, "of mass, bodies and points one: the last say more")
+            raise InputError(
+                "nonuniform", weighed, "of mass, bodies and points one: the last say more"
+            )
         for what, inertia in (("bodies", "uniform"), ("points", "lumped")):
-            if what in self.uneven and self.inertia != inertia:
-                raise InputError("uneven", what, f"absent for inertia {self.inertia}")
+            if what in self.nonuniform and self.inertia != inertia:
+                raise InputError("nonuniform", what, f"absent for inertia {self.inertia}")
         check_links(self.links, self.boundary)
-        ordered = _ordered(self.terms)
+        ordered = _sort_terms(self.terms)
         if ordered != self.terms:
             object.__setattr__(self, "terms", ordered)
-        own = self._own
+        own = self._own_parameters
         timed = [name for name in own if PARAMETERS[name].timed]
         for name, _ in self.expressions:
-            choose("expressions", name, timed or ["none: no term may change with time"])
+            check_choice("expressions", name, timed or ["none: no term may change with time"])
         by_name = sorted(self.expressions, key=lambda pair: timed.index(pair[0]))
         object.__setattr__(self, "expressions", tuple(by_name))
         for name in (*self.numbers, *self.state_names, *dict(self.tables)):
             check_name(name, f"expressions.{name}")
-        named = dict.fromkeys(name for e in self._open for name in e.tables)
+        named = dict.fromkeys(name for e in self._all_expressions for name in e.tables)
         rows = dict(self.tables)
         if named.keys() != rows.keys() or any(count < 2 for count in rows.values()):
             allowed = f"the rows, at least 2, of {', '.join(named) or 'no table'}"
@@ -107,87 +111,89 @@ class Structure:
         object.__setattr__(self, "tables", tuple((name, rows[name]) for name in named))
 
     def __repr__(self) -> str:
-        """What makes one equal to it, without what is as if nothing were said."""
+        """Text with the fields that differ from their defaults."""
         said = (one for one in fields(self) if getattr(self, one.name) != one.default)
         return f"Structure({', '.join(f'{one.name}={getattr(self, one.name)!r}' for one in said)})"
 
     @cached_property
     def state_names(self) -> tuple[str, ...]:
-        """Names of the states that are added, in the order in which y has them."""
+        """Names of the added states, in the order in which y has them."""
         return tuple(name for name, _ in self.states)
 
     @property
-    def hold(self) -> Boundary:
-        """How the start of the rod is held."""
+    def boundary_condition(self) -> Boundary:
+        """Boundary condition at the start of the rod."""
         return BOUNDARIES[self.boundary]
 
     @cached_property
     def loads(self) -> tuple[str, ...]:
         """Names of the loads, in the order of the terms."""
-        return tuple(named(self.terms))
+        return tuple(load_places(self.terms))
 
     @cached_property
-    def _own(self) -> list[str]:
-        """Parameters of the rod, its boundary and its terms, whether functions of time or not;
-        last those of loads that are not the first of their kind."""
+    def _own_parameters(self) -> list[str]:
+        """Names of the parameters of the rod, its boundary and its terms, whether functions of time
+        or not; those of further loads of a kind come last."""
         loads = [one for name in self.loads for one in TERMS[name].parameters]
-        ways = [UNEVEN[what] for what in self.uneven]
+        ways = [NONUNIFORM[what] for what in self.nonuniform]
         differing = [one for way in ways for one in way.parameters]
         if self.masses:
-            carrying = not {"bodies", "points"}.isdisjoint(self.uneven)
+            carrying = not {"bodies", "points"}.isdisjoint(self.nonuniform)
             steady = [STEADY[one.name] for one in differing if one.name in STEADY and carrying]
             differing = [one for one in differing if one.name not in STEADY] + steady
-        known = {one.name for one in (*ROD, *self.hold.parameters, *loads, *differing)}
+        known = {
+            one.name for one in (*ROD, *self.boundary_condition.parameters, *loads, *differing)
+        }
         known -= {name for way in ways for name in way.instead}
         first = [name for name in PARAMETERS if name in known]
         return [*first, *(one.name for one in loads if one.name not in first)]
 
     @cached_property
     def open_expressions(self) -> dict[str, Expression]:
-        """The expressions, by their parameters, with names in place of their numbers."""
-        texts = ((name, text) for name, text in self.expressions if not PARAMETERS[name].several)
-        return {name: self._opened(text) for name, text in texts}
+        """Expressions with names in place of their numbers, by parameter."""
+        texts = ((name, text) for name, text in self.expressions if not PARAMETERS[name].is_array)
+        return {name: self._open_expression(text) for name, text in texts}
 
     @cached_property
     def open_along(self) -> dict[str, Expression]:
-        """The expressions that are functions of s as well, of which every link has a mean."""
-        texts = ((name, text) for name, text in self.expressions if PARAMETERS[name].several)
+        """Expressions in s and t, of which every link has a mean, by parameter."""
+        texts = ((name, text) for name, text in self.expressions if PARAMETERS[name].is_array)
         return {name: open_expression(text, "t", ("s",)) for name, text in texts}
 
     @cached_property
     def open_rates(self) -> dict[str, Expression]:
-        """The rates of the states that are added, with names in place of their numbers."""
-        return {name: self._opened(text) for name, text in self.states}
+        """Rates of the added states, with names in place of their numbers."""
+        return {name: self._open_expression(text) for name, text in self.states}
 
     @cached_property
     def open_masses(self) -> dict[str, Expression]:
-        """The masses that are functions of time, by the names that modules have for them."""
-        return {mass_of(name): open_expression(e, "t", ("s",)) for name, _, e in self.masses}
+        """Masses that are functions of time, by their names in modules."""
+        return {mass_name(name): open_expression(e, "t", ("s",)) for name, _, e in self.masses}
 
     @property
     def tanks(self) -> dict[str, int]:
-        """The bodies whose masses are functions of time: what their numbers are called after, and
-        their links."""
+        """Links of the bodies whose masses are functions of time, by the prefix of their
+        parameters."""
         return {f"body_{name}": link for name, link, _ in self.masses if name}
 
-    def _opened(self, text: str) -> Expression:
+    def _open_expression(self, text: str) -> Expression:
         return open_expression(text, "t", self.state_names)
 
     @cached_property
-    def _open(self) -> list[Expression]:
-        """All that is a function of time, of place or of the motion."""
+    def _all_expressions(self) -> list[Expression]:
+        """All expressions in time, place or the motion."""
         groups = self.open_expressions, self.open_rates, self.open_masses, self.open_along
         return [e for group in groups for e in group.values()]
 
     @cached_property
     def laws(self) -> dict[str, Expression]:
-        """What a module computes from its state: expressions that follow states or sensors, by the
-        name of their parameter, and the rates of states that are added, by theirs."""
+        """Expressions that a module evaluates from its state: those that follow states or sensors,
+        by parameter, and the rates of added states, by rate_NAME."""
         fed = {name: e for name, e in self.open_expressions.items() if e.signals}
         return fed | {f"rate_{name}": e for name, e in self.open_rates.items()}
 
     @cached_property
-    def follows(self) -> bool:
+    def has_feedback(self) -> bool:
         """Whether any law reads a sensor or a state."""
         return any(e.signals for e in self.laws.values())
 
@@ -199,24 +205,24 @@ class Structure:
     @cached_property
     def spring_law(self) -> Expression:
         """The law of the springs, without values of the numbers in it."""
-        return open_expression(self.spring or spring.HOOKE, spring.BEND)
+        return open_expression(self.spring or spring_law.HOOKE, spring_law.BEND)
 
     @cached_property
     def numbers(self) -> dict[str, str]:
-        """The numbers in expressions: which values are allowed, by name."""
-        found = {name: ANY for e in self._open for name in e.names}
+        """Rules for the values of the numbers in expressions, by name."""
+        found = {name: ANY for e in self._all_expressions for name in e.names}
         found |= dict.fromkeys(self.spring_law.names, NOT_NEGATIVE)
-        return {name: rule for name, rule in found.items() if name != spring.STIFFNESS}
+        return {name: rule for name, rule in found.items() if name != spring_law.STIFFNESS}
 
     @cached_property
     def rows(self) -> tuple[Parameter, ...]:
         """The parameters in the order in which p holds them; those of several numbers last."""
         timed = dict(self.expressions)
-        own = [PARAMETERS[name] for name in self._own if name not in timed]
-        own += starmap(row_of, self.numbers.items())
+        own = [PARAMETERS[name] for name in self._own_parameters if name not in timed]
+        own += starmap(number_parameter, self.numbers.items())
         own += (tank_row(name, what) for name in self.tanks for what in TANK)
-        own += (row_of_table(name) for name, _ in self.tables)
-        return tuple(sorted(own, key=lambda one: one.several))
+        own += (table_parameter(name) for name, _ in self.tables)
+        return tuple(sorted(own, key=lambda one: one.is_array))
 
     @cached_property
     def parameters(self) -> tuple[str, ...]:
@@ -224,44 +230,44 @@ class Structure:
         return tuple(one.name for one in self.rows)
 
     @cached_property
-    def angles(self) -> dict[str, int]:
-        """Places in p of angles of loads and of the clamp, by the names of the parameters."""
-        names = [one.name for one in self.rows if one.angle or one.name == CLAMP_ANGLE.name]
-        return {name: self.places[name].start for name in names}
+    def angle_indices(self) -> dict[str, int]:
+        """Indices in p of angles of loads and of the clamp, by parameter."""
+        names = [one.name for one in self.rows if one.is_angle or one.name == CLAMP_ANGLE.name]
+        return {name: self.slices[name].start for name in names}
 
     @cached_property
-    def angle_states(self) -> slice:
-        """Which of the states are angles."""
-        first = 2 * self.hold.translates
-        return slice(first, first + self.links - self.hold.first)
+    def angle_slice(self) -> slice:
+        """Slice of the states that are angles."""
+        first = 2 * self.boundary_condition.translates
+        return slice(first, first + self.links - self.boundary_condition.first)
 
     @cached_property
-    def spans(self) -> dict[str, range]:
-        """The joints or links that have a number each, of every parameter that is several."""
+    def index_ranges(self) -> dict[str, range]:
+        """Joints, links or rows that have a number each, of every parameter that has several."""
         found = {JOINTS: range(self.links + 1), LINKS: range(self.links)}
-        found[SPRINGS] = self.hold.springs(self.links)
+        found[SPRINGS] = self.boundary_condition.spring_joints(self.links)
         own = {name: range(2 * rows) for name, rows in self.tables}
         return own | {one.name: found[one.each] for one in self.rows if one.each in found}
 
     @cached_property
-    def places(self) -> dict[str, slice]:
-        """Where in p the parameters lie."""
+    def slices(self) -> dict[str, slice]:
+        """Slices of p that hold the parameters, by name."""
         found, start = {}, 0
         for name in self.parameters:
-            stop = start + len(self.spans.get(name, (name,)))
+            stop = start + len(self.index_ranges.get(name, (name,)))
             found[name] = slice(start, stop)
             start = stop
         return found
 
     @cached_property
-    def positions(self) -> dict[str, int]:
-        """Where in p each parameter lies, by name; of several numbers the first."""
-        return {name: place.start for name, place in self.places.items()}
+    def indices(self) -> dict[str, int]:
+        """Index in p of each parameter, by name; of several numbers the first."""
+        return {name: place.start for name, place in self.slices.items()}
 
     @cached_property
     def width(self) -> int:
-        """How many numbers p holds."""
-        return int(max(place.stop for place in self.places.values()))
+        """Length of p."""
+        return int(max(place.stop for place in self.slices.values()))
 
     @property
     def stem(self) -> str:
@@ -280,16 +286,16 @@ class Structure:
         inertia = "" if self.inertia == "uniform" else f"_{self.inertia}"
         how = "" if form == "chain" else f"_{form}"
         where = "" if target == "numpy" else f"_{target}"
-        uneven = "_uneven_" + "_".join(self.uneven) if self.uneven else ""
+        nonuniform = "_nonuniform_" + "_".join(self.nonuniform) if self.nonuniform else ""
         coded = (self.expressions, self.states, self.spring, self.masses)
-        timed = f"_{self.hash[:6]}" if any((*coded, *named(self.terms).values())) else ""
-        return f"rod_{self.boundary}_n{self.links}{terms}{inertia}{uneven}{how}{where}{timed}"
+        timed = f"_{self.hash[:6]}" if any((*coded, *load_places(self.terms).values())) else ""
+        return f"rod_{self.boundary}_n{self.links}{terms}{inertia}{nonuniform}{how}{where}{timed}"
 
     @cached_property
     def hash(self) -> str:
         """Content hash: equal for scenes that need the same code."""
         content: list[object] = [self.links, self.boundary, self.inertia, self.terms]
-        content += [self.expressions, *([self.uneven] if self.uneven else [])]
+        content += [self.expressions, *([self.nonuniform] if self.nonuniform else [])]
         content += [{"states": self.states}] if self.states else []
         content += [{"spring": self.spring}] if self.spring else []
         content += [{"masses": self.masses}] if self.masses else []
@@ -306,14 +312,14 @@ def parse_terms(text: str) -> tuple[str, ...]:
     names = [name.strip() for name in text.split(",")]
     kinds = [name.partition("@")[0] for name in names]
     for kind in kinds:
-        choose("terms", kind, TERMS if "," in text else (*TERMS, "all", "none"))
+        check_choice("terms", kind, TERMS if "," in text else (*TERMS, "all", "none"))
     if any(kinds.count(kind) > 1 and not TERMS[kind].placed for kind in kinds):
         raise InputError("terms", text, "each term once, but for those that stand at a place")
-    return _ordered(tuple(names))
+    return _sort_terms(tuple(names))
 
 
-def _ordered(terms: tuple[str, ...]) -> tuple[str, ...]:
-    """Terms in the order of the vocabulary, those that are not placed once."""
+def _sort_terms(terms: tuple[str, ...]) -> tuple[str, ...]:
+    """Terms in the order of the vocabulary; a term without a place is kept once."""
     found = []
     for kind, term in TERMS.items():
         same = [text for text in terms if text.partition("@")[0] == kind]
@@ -322,10 +328,10 @@ def _ordered(terms: tuple[str, ...]) -> tuple[str, ...]:
 
 
 def _check_term(text: str, links: int) -> None:
-    """Raise InputError unless a term is of the vocabulary, at a point of so many links if it is one
-    that has a place."""
+    """Raise InputError for a term that is not in the vocabulary, or at a place that it cannot have
+    on so many links."""
     kind, at, place = text.partition("@")
-    choose("terms", kind, TERMS)
+    check_choice("terms", kind, TERMS)
     if not at:
         return
     found = PLACE.fullmatch(place)
@@ -335,7 +341,7 @@ def _check_term(text: str, links: int) -> None:
         raise InputError("terms", text, allowed)
 
 
-def choose(field_name: str, value: object, allowed: Iterable[str]) -> None:
+def check_choice(field_name: str, value: object, allowed: Iterable[str]) -> None:
     """Raise InputError unless the value is one of those allowed."""
     allowed = tuple(allowed)
     if value not in allowed:
@@ -345,8 +351,8 @@ def choose(field_name: str, value: object, allowed: Iterable[str]) -> None:
 
 
 def check_links(links: object, boundary: str, field_name: str = "links") -> None:
-    """Raise InputError unless this many links can move under the boundary."""
-    least = BOUNDARIES[boundary].least_links
+    """Raise InputError for a number of links that the boundary does not allow."""
+    least = BOUNDARIES[boundary].min_links
     whole = links if isinstance(links, int) and not isinstance(links, bool) else -1
     if not least <= whole <= MOST_LINKS:
         held = "" if least == 1 else f" for boundary {boundary}"

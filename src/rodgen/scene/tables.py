@@ -21,16 +21,16 @@ from rodgen.errors import InputError, Missing
 from rodgen.model.rod import BOUNDARIES, INERTIAS, Boundary
 from rodgen.scene import structure as st
 from rodgen.scene.expression import Numbers
-from rodgen.scene.frozen import AGAIN, frozen
+from rodgen.scene.immutable import AGAIN, make_immutable
 from rodgen.scene.law import Law
-from rodgen.scene.places import point_of
-from rodgen.scene.validation import explain
+from rodgen.scene.rod_points import link_and_share
+from rodgen.scene.validation import to_input_error
 
 MOST_TABLES = 1000  # of a kind: bodies, supports, events, states
 LARGEST = 1e60  # of any value: products of several must still fit in a double
 
 
-def _not_vanishing(value: float) -> float:
+def _check_not_tiny(value: float) -> float:
     if value < SMALLEST:
         raise PydanticCustomError("too_small", f"at least {SMALLEST:g}")
     return value
@@ -39,7 +39,7 @@ def _not_vanishing(value: float) -> float:
 Finite = Annotated[float, Field(allow_inf_nan=False, ge=-LARGEST, le=LARGEST)]
 SMALLEST = 1e-60  # of what others are divided by
 Positive = Annotated[float, Field(allow_inf_nan=False, gt=0, le=LARGEST)]
-Size = Annotated[Positive, AfterValidator(_not_vanishing)]
+Size = Annotated[Positive, AfterValidator(_check_not_tiny)]
 NotNegative = Annotated[float, Field(allow_inf_nan=False, ge=0, le=LARGEST)]
 Share = Annotated[float, Field(ge=0, le=1)]
 Pair = Annotated[list[Finite], Field(min_length=2, max_length=2)]
@@ -51,14 +51,13 @@ Factors = Annotated[list[NotNegative], Field(fail_fast=True)]
 
 
 class Table(BaseModel):
-    """A table of a scene: no key that is not known, no value of another type; never changed."""
+    """Base class of tables: unknown keys and values of another type are refused; never changed."""
 
     model_config = ConfigDict(extra="forbid", frozen=True, strict=True)
 
     def __setattr__(self, name: str, value: Any) -> None:
-        raise AttributeError(
-            f"{type(self).__name__}.{name} cannot be set: scenes do not change. {AGAIN}"
-        )
+        table = type(self).__name__.removesuffix("Table")
+        raise AttributeError(f"{table}.{name} cannot be set: scenes do not change. {AGAIN}")
 
     def __delattr__(self, name: str) -> None:
         raise AttributeError(
@@ -67,21 +66,21 @@ class Table(BaseModel):
         )
 
     def __dir__(self) -> list[str]:
-        """What an editor offers: not pydantic's thirty names, some of which warn."""
+        """Names that editors complete, without pydantic's thirty, some of which warn."""
         hidden = {name for name in dir(BaseModel) if not name.startswith("_")}
         return [name for name in super().__dir__() if name not in hidden]
 
     @model_validator(mode="after")
     def _freeze(self) -> Self:
         for name in type(self).model_fields:
-            self.__dict__[name] = frozen(self.__dict__[name])
+            self.__dict__[name] = make_immutable(self.__dict__[name])
         return self
 
     def __hash__(self) -> int:
-        return hash(tuple(frozen(getattr(self, name)) for name in type(self).model_fields))
+        return hash(tuple(make_immutable(getattr(self, name)) for name in type(self).model_fields))
 
 
-def one_of(vocabulary: Mapping[str, Any], describe: bool = False) -> str:
+def list_words(vocabulary: Mapping[str, Any], describe: bool = False) -> str:
     """The words of a vocabulary as they stand in a file, each with its description if asked for."""
     found = (f'`"{name}"`' + f": {one.description}" * describe for name, one in vocabulary.items())
     return ("; " if describe else ", ").join(found)
@@ -93,9 +92,9 @@ def check_count(key: str, tables: Sized) -> None:
         raise InputError(key, len(tables), f"at most {MOST_TABLES} tables")
 
 
-def tables_in(key: str, tables: Any, kind: type[Table]) -> list[Any]:
-    """Those of an array of tables, [[key]], each by itself, so that what is wrong is named by its
-    place. Raises InputError."""
+def validate_tables(key: str, tables: Any, kind: type[Table]) -> list[Any]:
+    """Validate the tables of an array, [[key]], one by one, so that errors name the place. Raises
+    InputError."""
     if not isinstance(tables, list):
         raise InputError(key, tables, f"an array of tables, [[{key}]]")
     check_count(key, tables)
@@ -106,12 +105,12 @@ def tables_in(key: str, tables: Any, kind: type[Table]) -> list[Any]:
         try:
             made.append(kind.model_validate(table))
         except ValidationError as error:
-            found = explain(error, dict(table), kind)
+            found = to_input_error(error, dict(table), kind)
             raise InputError(f"{key}[{i}].{found.field}", found.value, found.allowed) from None
     return made
 
 
-class Rod(Table):
+class RodTable(Table):
     """The rod, of rigid links that are joined by rotary springs."""
 
     links: int = Field(description="number of rigid links, 1 to 1000000 (2 for `cantilever`)")
@@ -136,11 +135,11 @@ class Rod(Table):
     )
     inertia: str = Field(
         default="uniform",
-        description="how the mass of a link lies: " + one_of(INERTIAS, describe=True),
+        description="how the mass of a link lies: " + list_words(INERTIAS, describe=True),
     )
     boundary: str = Field(
         default="free",
-        description=f"how the start is held: {one_of(BOUNDARIES)}, [see below](#boundaries)",
+        description=f"how the start is held: {list_words(BOUNDARIES)}, [see below](#boundaries)",
     )
     clamp_angle: Finite | None = Field(
         default=None,
@@ -149,11 +148,11 @@ class Rod(Table):
     )
 
     @model_validator(mode="after")
-    def _structure(self) -> Self:
-        st.choose("rod.boundary", self.boundary, BOUNDARIES)
-        st.choose("rod.inertia", self.inertia, INERTIAS)
+    def _check_consistency(self) -> Self:
+        st.check_choice("rod.boundary", self.boundary, BOUNDARIES)
+        st.check_choice("rod.inertia", self.inertia, INERTIAS)
         st.check_links(self.links, self.boundary, "rod.links")
-        if self.clamp_angle is not None and not BOUNDARIES[self.boundary].clamped:
+        if self.clamp_angle is not None and not BOUNDARIES[self.boundary].is_clamped:
             allowed = f"absent: boundary {self.boundary} has no clamp"
             raise InputError("rod.clamp_angle", self.clamp_angle, allowed)
         if self.mass is None and self.mass_per_length is None:
@@ -163,12 +162,12 @@ class Rod(Table):
         return self
 
     @property
-    def hold(self) -> Boundary:
-        """How its start is held."""
+    def boundary_condition(self) -> Boundary:
+        """Boundary condition at its start."""
         return BOUNDARIES[self.boundary]
 
 
-class Body(Table):
+class BodyTable(Table):
     """A rigid body, fixed to the link on which its s lies."""
 
     name: str = Field(description="a plain identifier, each body its own")
@@ -187,13 +186,13 @@ class Body(Table):
     )
 
     @model_validator(mode="after")
-    def _consistent(self) -> Self:
+    def _check_consistency(self) -> Self:
         if not (self.name.isidentifier() and self.name.isascii() and len(self.name) <= 64):
             raise InputError("name", self.name, "a plain identifier of at most 64 ASCII characters")
         return self
 
 
-def check_bodies(bodies: list[Body], rod: Rod) -> None:
+def check_bodies(bodies: list[BodyTable], rod: RodTable) -> None:
     """Raise InputError unless every body has a name of its own and a place that the rod has for
     it."""
     first: dict[str, int] = {}
@@ -204,7 +203,7 @@ def check_bodies(bodies: list[Body], rod: Rod) -> None:
         if rod.inertia != "lumped":
             continue
         why = "of inertia lumped, whose links have no mass but at their ends"
-        if point_of(body.at, rod.links)[1] not in (0, 1):
+        if link_and_share(body.at, rod.links)[1] not in (0, 1):
             allowed = f"at a joint, a multiple of 1/{rod.links}, on a rod {why}"
             raise InputError(f"bodies[{i}].at", body.at, allowed)
         for key, value in (("inertia", body.inertia), ("offset", body.offset)):
@@ -213,7 +212,7 @@ def check_bodies(bodies: list[Body], rod: Rod) -> None:
                 raise InputError(f"bodies[{i}].{key}", value, allowed)
 
 
-class State(Table):
+class StateTable(Table):
     """A state of a controller, an actuator or a filter."""
 
     rate: Finite | str = Field(
@@ -222,7 +221,7 @@ class State(Table):
     initial: Finite = Field(default=0.0, description="its value at the start")
 
 
-class Support(Table):
+class SupportTable(Table):
     """Springs and dampers from a point of the rod to a fixed point."""
 
     at: Share = Field(description="s of the point, from 0 (nose or root) to 1 (tail)")
@@ -247,7 +246,7 @@ class Support(Table):
     )
 
 
-class Foundation(Table):
+class FoundationTable(Table):
     """Springs and dampers all along the rod, which act across the straight rod through the
     origin."""
 
@@ -257,7 +256,7 @@ class Foundation(Table):
     damping: NotNegative = Field(default=0.0, description="per length [N s/m^2]")
 
 
-class Initial(Table):
+class InitialTable(Table):
     """The state at the start of the span; s in an expression is that of the middle of a link."""
 
     position: Pair | None = Field(
@@ -279,11 +278,11 @@ class Initial(Table):
         "expression in s; without it 0",
     )
 
-    def of_links(self, name: str, rod: Rod, numbers: Numbers) -> NDArray[np.float64]:
-        """Angles or rates, by the key, of the moving links of a rod; numbers: those that
-        expressions name. Raises InputError."""
+    def link_values(self, name: str, rod: RodTable, numbers: Numbers) -> NDArray[np.float64]:
+        """Initial angles or rates, by the key, of the moving links; numbers: values of the names in
+        expressions. Raises InputError."""
         n, field = rod.links, f"initial.{name}"
-        links = np.arange(rod.hold.first, n)
+        links = np.arange(rod.boundary_condition.first, n)
         value = getattr(self, name)
         if value is None:  # at rest and straight, along the clamp where there is one
             value = (rod.clamp_angle or 0.0) if name == "phi" else 0.0

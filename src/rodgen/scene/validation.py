@@ -1,4 +1,4 @@
-"""Errors of the user's input: each names the field, the value and what is allowed."""
+"""Conversion of pydantic's errors to InputError, with the field, the value and what is allowed."""
 
 from __future__ import annotations
 
@@ -8,11 +8,13 @@ from typing import Any, get_origin
 
 from pydantic import BaseModel, ValidationError
 
-from rodgen.errors import InputError, Missing, did_you_mean, unknown_key
+from rodgen.errors import InputError, Missing, did_you_mean, unknown_key_message
 
 
-def explain(error: ValidationError, table: dict[str, Any], scene: type[BaseModel]) -> InputError:
-    """The first thing that is wrong, as field, value and what is allowed."""
+def to_input_error(
+    error: ValidationError, table: dict[str, Any], scene: type[BaseModel]
+) -> InputError:
+    """Convert a ValidationError to an InputError on the first thing that is wrong."""
     details = error.errors()
     # A key that is not known comes first: a misspelt key is also one that is missing.
     unknown = [d for d in details if d["type"] == "extra_forbidden"]
@@ -20,54 +22,56 @@ def explain(error: ValidationError, table: dict[str, Any], scene: type[BaseModel
     cause = first.get("ctx", {}).get("error")
     if isinstance(cause, InputError):
         return cause
-    names = _names(table)
-    path = _path(first, names)
+    names = _all_keys(table)
+    path = _key_path(first, names)
     if first["type"] == "extra_forbidden":
-        return _unknown(scene, path, first["input"], first["loc"])
+        return _unknown_key_error(scene, path, first["input"], first["loc"])
     # A value that may be of several types has a finding for each: those that went deepest count.
-    paths = [(_path(d, names), d) for d in details]
+    paths = [(_key_path(d, names), d) for d in details]
     deepest = max((p for p, _ in paths if p[: len(path)] == path), key=len)
     same = [d for p, d in paths if p == deepest]
     if same[0]["type"] == "missing":
         return InputError(".".join([*deepest, str(same[0]["loc"][-1])]), Missing(), "given")
-    allowed = " or ".join(dict.fromkeys(_plain(d, _field(scene, deepest)) for d in same))
+    allowed = " or ".join(
+        dict.fromkeys(_allowed_values(d, _field_at(scene, deepest)) for d in same)
+    )
     return InputError(".".join(deepest) or "scene", same[0]["input"], allowed)
 
 
-def _path(detail: Any, names: set[str]) -> list[str]:
+def _key_path(detail: Any, names: set[str]) -> list[str]:
     """Keys and positions of a finding, without the names of types that pydantic puts between."""
     keys = detail["loc"][: -1 if detail["type"] == "missing" else None]
     return [str(p) for p in keys if isinstance(p, int) or str(p) in names]
 
 
-def _names(table: Any) -> set[str]:
+def _all_keys(table: Any) -> set[str]:
     """Keys of a table and of those in it."""
     if isinstance(table, list):
-        return set().union(*(_names(one) for one in table if isinstance(one, dict)))
+        return set().union(*(_all_keys(one) for one in table if isinstance(one, dict)))
     if isinstance(table, dict):
-        return set(map(str, table)) | set().union(*map(_names, table.values()), set())
+        return set(map(str, table)) | set().union(*map(_all_keys, table.values()), set())
     return set()
 
 
-def check_known(scene: type[BaseModel], keys: Sequence[str]) -> None:
+def check_key_exists(scene: type[BaseModel], keys: Sequence[str]) -> None:
     """Raise InputError for a key that no scene has, from the outermost table in."""
     for count, key in enumerate(keys, start=1):
-        known = _known(scene, keys[:count])
+        known = _known_keys(scene, keys[:count])
         if known and key not in known and not key.isdigit():  # the number of one of a list
-            raise _unknown(scene, keys[:count], None, keys[:count])
+            raise _unknown_key_error(scene, keys[:count], None, keys[:count])
 
 
-def _unknown(
+def _unknown_key_error(
     scene: type[BaseModel], path: Sequence[str], value: object, location: Sequence[Any]
 ) -> InputError:
-    """The error for a key that its table does not have; another may have it."""
-    key, known = location[-1], _known(scene, location)
-    there = "" if did_you_mean(key, known) else next(_places(scene, str(key)), "")
+    """Error for a key that its table does not have, with the table that has it, if any."""
+    key, known = location[-1], _known_keys(scene, location)
+    there = "" if did_you_mean(key, known) else next(_find_key(scene, str(key)), "")
     hint = f"; did you mean {there}?" if there else ""
-    return InputError(".".join(path), value, unknown_key(key, known, hint))
+    return InputError(".".join(path), value, unknown_key_message(key, known, hint))
 
 
-def _places(model: type[BaseModel], key: str) -> Iterator[str]:
+def _find_key(model: type[BaseModel], key: str) -> Iterator[str]:
     """Dotted names of a key in the tables of a scene."""
     tables = []
     for name, field in _fields(model):
@@ -76,24 +80,24 @@ def _places(model: type[BaseModel], key: str) -> Iterator[str]:
         if (inner := _table_of(field)) is not None:
             tables.append((field.alias or name, inner))
     for name, inner in tables:
-        yield from (f"{name}.{rest}" for rest in _places(inner, key))
+        yield from (f"{name}.{rest}" for rest in _find_key(inner, key))
 
 
-def _known(model: type[BaseModel], location: Sequence[Any]) -> list[str]:
-    """Keys of the table that a location is in; none of one that takes any."""
-    inner = _table(model, location[:-1])
+def _known_keys(model: type[BaseModel], location: Sequence[Any]) -> list[str]:
+    """Keys of the table around a location; empty for one that takes any."""
+    inner = _table_at(model, location[:-1])
     return [] if inner is None else [field.alias or name for name, field in _fields(inner)]
 
 
-def _field(model: type[BaseModel], path: Sequence[str]) -> Any:
-    """The key of a path, None of one that has a name or a number of its own."""
-    inner = _table(model, path[:-1])
+def _field_at(model: type[BaseModel], path: Sequence[str]) -> Any:
+    """Field at a path; None where the key is a name or an index of the user's."""
+    inner = _table_at(model, path[:-1])
     fields = {} if inner is None else {one.alias or name: one for name, one in _fields(inner)}
     return fields.get(path[-1]) if path else None
 
 
-def _table(model: type[BaseModel], location: Sequence[Any]) -> type[BaseModel] | None:
-    """The table at a location; None where that takes any key."""
+def _table_at(model: type[BaseModel], location: Sequence[Any]) -> type[BaseModel] | None:
+    """Class of the table at a location; None where that takes any key."""
     named = False  # whether what stands there goes by names, or numbers, of its own
     for key in location:
         fields = {} if named else {one.alias or name: one for name, one in _fields(model)}
@@ -106,7 +110,7 @@ def _table(model: type[BaseModel], location: Sequence[Any]) -> type[BaseModel] |
 
 
 def _table_of(field: Any) -> type[BaseModel] | None:
-    """The table that a key may have as its value."""
+    """Class of the table that a field may hold, if any."""
     for option in getattr(field.annotation, "__args__", (field.annotation,)):
         if isinstance(option, type) and issubclass(option, BaseModel):
             return option
@@ -129,8 +133,8 @@ PLAIN = {
 }
 
 
-def _plain(detail: Any, field: Any) -> str:
-    """What is allowed, in the words of the field."""
+def _allowed_values(detail: Any, field: Any) -> str:
+    """Words on what a field allows, for one finding."""
     form = FORM.search(getattr(field, "description", None) or "")
     if form and detail["type"] in ("list_type", "too_short", "too_long"):
         return f"a list of {form[1].count(',') + 1} numbers, {form[1]}"

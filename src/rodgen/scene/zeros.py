@@ -1,7 +1,7 @@
-"""Zeros and pulses of functions of one variable, found by looking at samples.
+"""Zeros and pulses of functions of one variable, found from samples.
 
-A load that changes more often than it is sampled looks like one that changes slowly, or not at
-all. It is therefore looked at on ever more samples, until no more is found on three times as many.
+A load that changes more often than it is sampled looks like one that changes slowly, or not at all.
+It is therefore sampled more and more finely, until three times as many samples show no more.
 """
 
 from __future__ import annotations
@@ -35,7 +35,7 @@ FELT = 10  # times that change, from which on a pulse is one
 
 
 def zeros(functions: Iterable[Function], start: float, end: float) -> list[float]:
-    """Where functions are zero from start to end, ascending.
+    """Zeros of functions from start to end, ascending.
 
     Found where the sign changes between two samples, and on both sides of an extremum between
     samples that reaches beyond zero.
@@ -45,32 +45,32 @@ def zeros(functions: Iterable[Function], start: float, end: float) -> list[float
 
 @lru_cache(maxsize=KEPT)
 def _zeros(function: Function, start: float, end: float) -> tuple[float, ...]:
-    grid, values, _ = sampled(function, start, end)
-    points = np.concatenate((grid, _dips(function, grid, values)))
+    grid, values, _ = sample(function, start, end)
+    points = np.concatenate((grid, _missed_extrema(function, grid, values)))
     points.sort()
-    signs = np.sign(_values(function, points))
+    signs = np.sign(_evaluate_on(function, points))
     flat = np.zeros(len(points), bool)  # a zero with zeros on both sides is no break
     flat[1:-1] = (signs[:-2] == 0) & (signs[2:] == 0)
     at = np.flatnonzero(signs[:-1] * signs[1:] < 0)
-    between = bisected(function, points[at], points[at + 1])
+    between = bisect(function, points[at], points[at + 1])
     return (*points[(signs == 0) & ~flat].tolist(), *between.tolist())
 
 
-def sampled(
+def sample(
     function: Function,
     start: float,
     end: float,
     counted: Callable[[Array], int] | None = None,
 ) -> tuple[Array, Array, bool]:
-    """Samples, values there, and whether they are enough: that what is counted in the values is
-    no more on three times as many. Sign changes are, if nothing else is given."""
+    """Sample a function finely enough; returns samples, values, and whether they are enough: three
+    times as many have the same count. counted: of values, by default their sign changes."""
     counted = counted or _sign_changes
     grid = np.linspace(start, end, SAMPLES)
-    values = _values(function, grid)
+    values = _evaluate_on(function, grid)
     seen = counted(values)
     while True:
         finer = np.linspace(start, end, int(MORE * len(grid)))
-        fine = _values(function, finer)
+        fine = _evaluate_on(function, finer)
         more = counted(fine)
         if more == seen:
             return (grid, values, True) if len(grid) == SAMPLES else (finer, fine, True)
@@ -79,15 +79,15 @@ def sampled(
         grid, values, seen = finer, fine, more
 
 
-def met(
+def crossing_times(
     function: Callable[[Array, Array], Any], places: Array, start: float, end: float
 ) -> list[float] | None:
-    """When a function of times and places is zero at one of these places, from start to end; seen
-    where the sign changes between two samples. None where it changes too often for that."""
+    """Times from start to end at which a function of time and place is zero at one of these places,
+    seen by sign changes between samples. None where they are too many for that."""
     some = places[:: -(-len(places) // LOOKED_AT)]
     grid, found = np.empty(0), list[float]()
     for place in some:
-        finer, _, enough = sampled(partial(_at, function, place), start, end)
+        finer, _, enough = sample(partial(_at_places, function, place), start, end)
         if not enough:
             return None
         grid = max(grid, finer, key=len)
@@ -97,16 +97,16 @@ def met(
         found += grid[np.nonzero((signs[1:-1] == 0) & (signs[:-2] * signs[2:] < 0))[0] + 1].tolist()
         at, where = np.nonzero(signs[:-1] * signs[1:] < 0)
         if len(at):
-            here = partial(_at, function, some[where])
-            found += bisected(here, grid[at], grid[at + 1]).tolist()
+            here = partial(_at_places, function, some[where])
+            found += bisect(here, grid[at], grid[at + 1]).tolist()
     return found
 
 
-def _at(function: Callable[[Array, Array], Any], places: Any, times: Array) -> Any:
+def _at_places(function: Callable[[Array, Array], Any], places: Any, times: Array) -> Any:
     return function(times, places)
 
 
-def _values(function: Function, grid: Array) -> Array:
+def _evaluate_on(function: Function, grid: Array) -> Array:
     return np.broadcast_to(function(grid), grid.shape)
 
 
@@ -116,8 +116,8 @@ def _sign_changes(values: Array) -> int:
     return int(np.count_nonzero(signs[1:] * signs[:-1] < 0))
 
 
-def _dips(function: Function, grid: Array, values: Array) -> Array:
-    """Places between samples where a function comes closest to a zero that the samples miss."""
+def _missed_extrema(function: Function, grid: Array, values: Array) -> Array:
+    """Extrema between samples that reach beyond a zero which the samples miss."""
     from scipy.optimize import minimize_scalar
 
     size, sign = np.abs(values), np.sign(values)
@@ -127,45 +127,47 @@ def _dips(function: Function, grid: Array, values: Array) -> Array:
     places = []
     for at in dips[:DIPS]:
 
-        def height(x: float, sign: float = sign[at]) -> float:
+        def signed_value(x: float, sign: float = sign[at]) -> float:
             return float(np.nan_to_num(sign * function(x), nan=np.inf))
 
         bounds = (grid[at - 1], grid[at + 1])
-        lowest = minimize_scalar(height, bounds=bounds, method="bounded", options={"xatol": 1e-14})
+        lowest = minimize_scalar(
+            signed_value, bounds=bounds, method="bounded", options={"xatol": 1e-14}
+        )
         if lowest.fun < 0:
             places.append(float(lowest.x))
     return np.array(places)
 
 
-def bisected(function: Function, low: Array, high: Array) -> Array:
-    """Where signs change, to the last digit; unlike Brent's method it needs signs alone."""
+def bisect(function: Function, low: Array, high: Array) -> Array:
+    """Bisect brackets to the last digit; unlike Brent's method it needs signs alone."""
     low, high = low.copy(), high.copy()
-    positive = _values(function, low) > 0
+    positive = _evaluate_on(function, low) > 0
     while True:
         middle = 0.5 * (low + high)
         left = (low < middle) & (middle < high)
         if not left.any():
             return high
-        same = (_values(function, middle) > 0) == positive
+        same = (_evaluate_on(function, middle) > 0) == positive
         low = np.where(left & same, middle, low)
         high = np.where(left & ~same, middle, high)
 
 
 @lru_cache(maxsize=2)
-def _seen(start: float, end: float) -> Array:
-    """Times of all samples of a span; not to be written to."""
+def _sample_grid(start: float, end: float) -> Array:
+    """Sample times of a span; not to be written to."""
     grid = np.linspace(start, end, SEEN)
     grid.setflags(write=False)
     return grid
 
 
 @lru_cache(maxsize=KEPT)
-def onsets(value: Function, start: float, end: float) -> tuple[Pulse, ...]:
+def find_pulses(value: Function, start: float, end: float) -> tuple[Pulse, ...]:
     """Begin, peak and end of every pulse that is shorter than the rest before it, ascending.
 
     value: of a load at times (...,), hashable.
     """
-    grid = _seen(start, end)
+    grid = _sample_grid(start, end)
     values = np.broadcast_to(value(grid), grid.shape)
     if not np.isfinite(values.sum()):
         values = np.nan_to_num(values, posinf=0.0, neginf=0.0)
@@ -177,7 +179,7 @@ def onsets(value: Function, start: float, end: float) -> tuple[Pulse, ...]:
     changes = np.flatnonzero(levels[1:] != levels[:-1])
     if len(changes) and np.diff(changes, prepend=-1, append=len(grid) - 1).max() < REST:
         return ()  # what never rests has no pulse after a rest
-    for first, last in _activity(levels):
+    for first, last in _active_intervals(levels):
         change = np.abs(levels[first : last + 1] - levels[first])
         if change.max() >= FELT and last - first <= first - rests_since:
             peak = first + int(np.argmax(change))
@@ -186,8 +188,8 @@ def onsets(value: Function, start: float, end: float) -> tuple[Pulse, ...]:
     return tuple(found)
 
 
-def _activity(levels: NDArray[np.float64]) -> Iterator[tuple[int, int]]:
-    """First and last sample of every time in which levels follow each other fast."""
+def _active_intervals(levels: NDArray[np.float64]) -> Iterator[tuple[int, int]]:
+    """Yield first and last sample of every interval in which levels change without a rest."""
     jumps = np.diff(levels)
     lengths = np.diff(np.concatenate(([0], np.flatnonzero(jumps) + 1, [len(levels)])))
     calm = np.repeat(lengths >= REST, lengths)

@@ -1,1 +1,1 @@
-"""Runs to pictures and words."""
+"""Pictures, films and summaries of results."""

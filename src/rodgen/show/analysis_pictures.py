@@ -9,8 +9,8 @@ from matplotlib.lines import Line2D
 from numpy.typing import NDArray
 
 from rodgen.analyse.critical import Critical
-from rodgen.analyse.eigen import Complex
-from rodgen.analyse.family import Family
+from rodgen.analyse.eigenvalues import Complex
+from rodgen.analyse.load_family import LoadFamily
 from rodgen.analyse.modes import Modes
 from rodgen.analyse.scaled_load import GROUPS, label_of
 from rodgen.analyse.statics import Equilibrium
@@ -21,8 +21,8 @@ from rodgen.model.parameter import typeset
 from rodgen.model.term import FORCE, SPREAD, WEIGHT
 from rodgen.model.terms import TERMS
 from rodgen.scene import Scene
-from rodgen.show.canvas import CURVE, FAINT, LINE, ROD, SPECIAL, canvas, fit
-from rodgen.show.rod_marks import draw_marks, marks_in_words
+from rodgen.show.canvas import CURVE, FAINT, LINE, ROD, SPECIAL, make_figure, set_height
+from rodgen.show.rod_marks import describe_marks, draw_marks
 
 PANELS = 6  # modes drawn
 AMPLITUDE = 0.1  # of the length
@@ -37,7 +37,7 @@ NEAR = 0.1  # of the critical force, up to where growth fills the picture
 
 
 def mode_shapes(modes: Modes, scene: Scene) -> Figure:
-    """The shapes of up to six modes, at both ends of their motion, on the steady state."""
+    """Shapes of up to six modes, at both ends of their motion, on the steady state."""
     count = min(PANELS, len(modes.frequencies))
     if not count:
         raise InputError("modes", modes, "at least one")
@@ -49,13 +49,13 @@ def mode_shapes(modes: Modes, scene: Scene) -> Figure:
     columns = min(count, 2 + (height > 0.7 * width) + 3 * (height > 2 * width))
     rows = -(-count // columns)
     across = 6.3 / columns - 0.3
-    figure = canvas(7.0, rows * (min(across * height / width, 5.0) + 0.55) + 0.8)
+    figure = make_figure(7.0, rows * (min(across * height / width, 5.0) + 0.55) + 0.8)
     panels = figure.subplots(rows, columns, sharex=True, sharey=True, squeeze=False)
     for at, axes in enumerate(panels.flat):
         if at < count:
-            _mode(axes, modes.joints, moved[at])
+            _draw_mode(axes, modes.joints, moved[at])
             draw_marks(axes, scene, modes.joints + moved[at].real, ROD)
-            axes.set_title(_label(modes, at), fontsize="small")
+            axes.set_title(_mode_label(modes, at), fontsize="small")
             axes.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]), aspect="equal")
             axes.tick_params(labelsize="x-small")
         else:
@@ -64,14 +64,14 @@ def mode_shapes(modes: Modes, scene: Scene) -> Figure:
     which = "modes" if count == every else f"the first {count} of {every} modes"
     figure.suptitle(f"{scene.name}: {which} about the state: {modes.state}", fontsize="medium")
     pale = "the other end of the motion" if np.isrealobj(moved) else "other phases of the motion"
-    words = f"dashed: the state; pale: {pale}; {marks_in_words(scene)}"
+    words = f"dashed: the state; pale: {pale}; {describe_marks(scene)}"
     figure.supxlabel(f"x [m]\n{words}", fontsize="small")
     figure.supylabel("y [m], motions of arbitrary size", fontsize="small")
     return figure
 
 
-def _mode(axes: Axes, joints: Array, moved: Complex | Array) -> None:
-    """One mode: the first phase in full colour, the others behind it."""
+def _draw_mode(axes: Axes, joints: Array, moved: Complex | Array) -> None:
+    """Draw a mode: the first phase in full colour, the others behind it."""
     phases = 2 if np.isrealobj(moved) else PHASES
     axes.plot(*joints.T, "--", color=FAINT, linewidth=0.8)
     for at in range(1, phases):
@@ -82,27 +82,29 @@ def _mode(axes: Axes, joints: Array, moved: Complex | Array) -> None:
     axes.grid(alpha=0.3)
 
 
-def _label(modes: Modes, at: int) -> str:
+def _mode_label(modes: Modes, at: int) -> str:
     frequency, growth = modes.frequencies[at], modes.growth[at]
     text = f"{at + 1}: {frequency:.5g} Hz" if frequency else f"{at + 1}: no oscillation"
     return f"{text}\ngrows" if growth > 0 else text
 
 
 def equilibrium_shape(rest: Equilibrium, rod: SteadyRod) -> Figure:
-    """The deflected rod beside the straight one, with its loads; small displacements enlarged.
-    A rod that turns freely is straight in more than one direction: that of its start is shown."""
+    """Deflected rod beside the straight one, with its loads; small displacements enlarged. A rod
+    that turns freely is straight in more than one direction: that of its start is shown."""
     length, name = rod.scene.rod.length, rod.scene.name
-    straight = rod.model.joints(rod.at_rest(rod.unsettled(rod.straight)), rod.system.p)
+    straight = rod.model.joints(
+        rod.state_at_rest(rod.start_unknowns(rod.straight_angles)), rod.system.p
+    )
     moved = rest.joints - straight
     largest = float(np.linalg.norm(moved, axis=1).max()) / length
     times = 1.0
     if 1e-12 < largest < SMALL:
         times = float(10.0 ** np.floor(np.log10(SEEN / largest)))
     joints = straight + times * moved
-    figure = canvas(6.0, 5.5)
+    figure = make_figure(6.0, 5.5)
     axes = figure.add_subplot()
     axes.grid(alpha=0.3)
-    straight_as = "straight" if rod.clamped else "straight, as at the start"
+    straight_as = "straight" if rod.is_clamped else "straight, as at the start"
     axes.plot(*straight.T, "--", color=FAINT, label=straight_as, linewidth=LINE)
     dots = "o-" if len(joints) <= 60 else "-"
     scale = f" (displacements x {times:g})" if times > 1 else ""
@@ -117,34 +119,38 @@ def equilibrium_shape(rest: Equilibrium, rod: SteadyRod) -> Figure:
     axes.set_xlim(middle[0] - half[0], middle[0] + half[0])
     axes.set_ylim(middle[1] - half[1], middle[1] + half[1])
     axes.set_aspect("equal")
-    fit(figure, min(5.2 * half[1] / half[0] + 1.5, 6.5))
+    set_height(figure, min(5.2 * half[1] / half[0] + 1.5, 6.5))
     state = ", unstable" if rest.stable is False else ""
     unit = "m" if times == 1 else f"m, but displacements x {times:g}"
-    axes.set(xlabel=f"x [{unit}]\n{marks_in_words(rod.scene)}", ylabel=f"y [{unit}]")
+    axes.set(xlabel=f"x [{unit}]\n{describe_marks(rod.scene)}", ylabel=f"y [{unit}]")
     axes.set_title(f"{name}: static equilibrium{state}")
-    handles = [*axes.get_legend_handles_labels()[0], *load_keys(rod, rest.y)]
+    handles = [*axes.get_legend_handles_labels()[0], *load_legend(rod, rest.y)]
     figure.legend(handles=handles, loc="outside lower center", ncols=2, fontsize="small")
     return figure
 
 
-def _sizes(rod: SteadyRod, y: Array) -> dict[str, float]:
-    """Forces and weights that are not zero, by their terms; of what differs from link to link, the
-    largest; of what follows the motion, that in a state y (states,)."""
+def _load_magnitudes(rod: SteadyRod, y: Array) -> dict[str, float]:
+    """Return the magnitudes of forces and weights that are not zero, by their terms: the largest
+    where they differ from link to link; those in a state y (states,) where they depend on it."""
     found, p = {}, rod.system.p
     given = rod.system.parameters
-    if rod.steered:
+    if rod.has_feedback:
         given |= rod.model.signals(rod.t, y, p)
     for name in rod.system.load_terms:
         if TERMS[name].kind in (FORCE, SPREAD, WEIGHT):
-            parts = [max(np.atleast_1d(given[e.name]), key=abs) for e in TERMS[name].sizes]
+            parts = [
+                max(np.atleast_1d(given[e.name]), key=abs) for e in TERMS[name].size_parameters
+            ]
             found[name] = float(parts[0] if len(parts) == 1 else np.hypot(*parts))
     return {name: size for name, size in found.items() if size}
 
 
-def load_keys(rod: SteadyRod, y: Array) -> list[Line2D]:
-    """What a legend has of the loads in a state y (states,)."""
-    rows = [(TERMS[name], size) for name, size in _sizes(rod, y).items()]
-    labels = [f"{term.label} {size:.4g} {term.sizes[0].shown_unit}" for term, size in rows]
+def load_legend(rod: SteadyRod, y: Array) -> list[Line2D]:
+    """Return entries of a legend for the loads in a state y (states,)."""
+    rows = [(TERMS[name], size) for name, size in _load_magnitudes(rod, y).items()]
+    labels = [
+        f"{term.label} {size:.4g} {term.size_parameters[0].display_unit}" for term, size in rows
+    ]
     return [
         Line2D([], [], color=term.colours[0], marker=">", markersize=4, label=label)
         for (term, _), label in zip(rows, labels, strict=True)
@@ -152,12 +158,12 @@ def load_keys(rod: SteadyRod, y: Array) -> list[Line2D]:
 
 
 def draw_loads(axes: Axes, rod: SteadyRod, joints: Array, y: Array, side: float) -> list[Array]:
-    """Arrows of the loads in a state y (states,); their ends, pairs of points (2, 2). side: +1 or
-    -1, to the right or the left, where gravity stands beside a rod that hangs."""
+    """Draw arrows of the loads in a state y (states,); returns their ends, pairs of points (2, 2).
+    side: +1 or -1, to the right or the left, where gravity stands beside a rod that hangs."""
     size = ARROW * rod.scene.rod.length
     forces = rod.model.forces(rod.t, y, rod.system.p)
     ends = []
-    for name, amount in _sizes(rod, y).items():
+    for name, amount in _load_magnitudes(rod, y).items():
         term = TERMS[name]
         if term.kind == FORCE:
             shares = np.hypot(*forces[name].T)
@@ -169,14 +175,14 @@ def draw_loads(axes: Axes, rod: SteadyRod, joints: Array, y: Array, side: float)
             ends.append((np.array([start, start + pull]), term))
         elif term.kind == SPREAD:
             largest = np.hypot(*forces[name].T).max()
-            for at in _spread(len(joints)):
+            for at in _arrow_joints(len(joints)):
                 pull = 0.5 * size * forces[name][at] / largest
                 ends.append((np.array([joints[at] - pull, joints[at]]), term))
         else:
             down = np.array([0.0, -0.5 * size * np.sign(amount)])
             width, height = np.ptp(joints, axis=0)
             aside = side * ASIDE * rod.scene.rod.length * (height > 2 * width)
-            for start in joints[_spread(len(joints))] + np.array([aside, 0.0]):
+            for start in joints[_arrow_joints(len(joints))] + np.array([aside, 0.0]):
                 ends.append((np.array([start, start + down]), term))
     for (start, end), term in ends:
         style = {"arrowstyle": "-|>", "color": term.colours[0], "shrinkA": 0, "shrinkB": 0}
@@ -184,31 +190,33 @@ def draw_loads(axes: Axes, rod: SteadyRod, joints: Array, y: Array, side: float)
     return [pair for pair, _ in ends]
 
 
-def _spread(joints: int) -> NDArray[np.int_]:
-    """The joints at which arrows of what acts all along the rod stand."""
+def _arrow_joints(joints: int) -> NDArray[np.int_]:
+    """Return the joints at which the arrows of distributed loads stand."""
     return np.unique(np.linspace(0, joints - 1, WEIGHTS).round().astype(int))
 
 
-def stability_curves(found: Critical, family: Family) -> Figure:
-    """Frequencies of the lowest modes and below them growth, against the load that is scaled."""
+def stability_curves(found: Critical, family: LoadFamily) -> Figure:
+    """Frequencies of the lowest modes, and growth rates below, over the load that is scaled."""
     start = min(0.0, found.searched[0])
     beyond = found.value + BEYOND * max(abs(found.value), family.unit * (not found.value))
-    forces, s = _rates(family, start, beyond, found)
+    forces, s = _eigenvalue_curves(family, start, beyond, found)
     # Without damping one eigenvalue of each pair is here, with damping both: the upper half.
-    kept = slice(s.shape[1] // 2 if family.damped else 0, None)
+    kept = slice(s.shape[1] // 2 if family.is_damped else 0, None)
     frequency = np.sort(np.where(np.isnan(s), -np.inf, s.imag), axis=1)[:, kept] / (2 * np.pi)
     growth = np.sort(s.real, axis=1)
     shown = np.isfinite(frequency) & (frequency >= 0)
     frequency = np.where(shown, frequency, np.nan)
-    first = int(np.argmax(frequency[0] > family.rigid / (2 * np.pi)))  # overdamped motions apart
+    first = int(
+        np.argmax(frequency[0] > family.zero_tolerance / (2 * np.pi))
+    )  # overdamped motions apart
     last = min(first + max(*found.modes, 2), frequency.shape[1] - 1)
-    figure = canvas(6.4, 5.6)
+    figure = make_figure(6.4, 5.6)
     upper, lower = figure.subplots(2, 1, sharex=True, height_ratios=(3, 2))
     upper.plot(forces, frequency[:, : last + 1], ".", markersize=1.5, color=CURVE)
     upper.set_ylim(0, 1.08 * max(float(np.nanmax(frequency[:, : last + 1])), 1e-300))
     upper.plot(found.value, found.frequency, "o", color=SPECIAL, clip_on=False, markersize=5)
     lower.plot(forces, growth, ".", markersize=1.5, color=CURVE)
-    lower.set_ylim(_limits(forces, growth, found.value, family))
+    lower.set_ylim(_growth_limits(forces, growth, found.value, family))
     lower.plot(found.value, 0.0, "o", color=SPECIAL, markersize=5)
     for axes in (upper, lower):
         axes.axvline(found.value, color=SPECIAL, linestyle="--", linewidth=0.8)
@@ -224,19 +232,23 @@ def stability_curves(found: Critical, family: Family) -> Figure:
     return figure
 
 
-def _limits(forces: Array, growth: Array, force: float, family: Family) -> tuple[float, float]:
-    """Of the growth [1/s]: up to what there is a little beyond the critical force, not to what
-    comes much later, and down to the least damped motion wherever it dies away fastest."""
+def _growth_limits(
+    forces: Array, growth: Array, force: float, family: LoadFamily
+) -> tuple[float, float]:
+    """Return limits for the growth [1/s]: up to its largest a little beyond the critical force, not
+    to what comes much later, and down to the least damped motion wherever it dies away fastest."""
     most = np.nan_to_num(growth, nan=-np.inf).max(axis=1)
     near = forces <= force + NEAR * abs(force)
-    high = max(float(most[near].max()), 1e-6 * family.lowest)
-    low = float(most.min()) if family.damped else -high  # flutter dies away as it grows
+    high = max(float(most[near].max()), 1e-6 * family.lowest_frequency)
+    low = float(most.min()) if family.is_damped else -high  # flutter dies away as it grows
     return 1.1 * min(low, -high / 4), 1.1 * max(high, -low / 4)
 
 
-def _rates(family: Family, low: float, high: float, found: Critical) -> tuple[Array, Complex]:
-    """Forces and eigenvalues at them, what is left out of the search as nan; only up to the
-    critical force where no steady state lies beyond."""
+def _eigenvalue_curves(
+    family: LoadFamily, low: float, high: float, found: Critical
+) -> tuple[Array, Complex]:
+    """Return forces and eigenvalues at them, those left out of the search as nan; only up to the
+    critical force where there is no steady state beyond."""
     for end in (high, found.value * (1 - 1e-6)):
         forces = np.linspace(low, end, FORCES)
         try:

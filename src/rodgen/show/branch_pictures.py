@@ -17,8 +17,8 @@ from rodgen.arrays import Array
 from rodgen.errors import AnalysisError, InputError
 from rodgen.model.terms import TERMS, axis_label
 from rodgen.scene import Scene
-from rodgen.show.canvas import CURVE, INK, LINE, SERIES, SPECIAL, canvas, mark_of
-from rodgen.show.rod_marks import draw_marks, marks_in_words
+from rodgen.show.canvas import CURVE, INK, LINE, SERIES, SPECIAL, make_figure, mark_of
+from rodgen.show.rod_marks import describe_marks, draw_marks
 
 if TYPE_CHECKING:
     import xarray
@@ -31,34 +31,34 @@ STYLES: dict[int, Style] = {1: "--", 0: "-", -1: ":"}  # unstable, stable, not k
 
 
 def bifurcation_diagram(branches: list[xarray.Dataset], scene: Scene) -> Figure:
-    """How far the tail is moved across the straight rod against the number that is varied: stable
-    states solid, unstable ones dashed, special points marked and named."""
-    figure = canvas(6.4, 4.6)
+    """Bifurcation diagram: deflection of the tail over the varied number; stable states solid,
+    unstable ones dashed, special points marked and named."""
+    figure = make_figure(6.4, 4.6)
     axes = figure.add_subplot()
     kinds: dict[str, None] = {}
     for data in branches:
-        across = _across(data, "", scene)
+        across = _deflection(data, "", scene)
         values = data["value"].values
-        for where, rows in _runs(data["unstable"].values):
+        for where, rows in _stability_runs(data["unstable"].values):
             line = Line2D(
                 values[rows], across[rows], linestyle=STYLES[where], color=CURVE, linewidth=LINE
             )
             axes.add_line(line)
         if data.sizes["special"]:
             kind_of, value_of = data["special_kind"].values, data["special_value"].values
-            points = zip(kind_of, value_of, _across(data, "special_", scene), strict=True)
+            points = zip(kind_of, value_of, _deflection(data, "special_", scene), strict=True)
             for kind, value, y in points:
                 axes.plot(value, y, mark_of(kind)[0], color=SPECIAL, markersize=5)
                 kinds[str(kind)] = None
     axes.autoscale_view()
-    _named(axes, branches, scene)
-    moved = [np.ptp(_across(data, "", scene)) for data in branches]
+    _annotate_values(axes, branches, scene)
+    moved = [np.ptp(_deflection(data, "", scene)) for data in branches]
     if max(moved) < FLAT * scene.rod.length:
         axes.set_ylim(-0.05, 0.05)
     axes.grid(alpha=0.3)
     axes.set(
         xlabel=axis_label(branches[0].attrs["key"]),
-        ylabel=_ordinate(scene),
+        ylabel=_ordinate_label(scene),
         title=f"{scene.name}: equilibria",
     )
     known = {int(number) for data in branches for number in np.sign(data["unstable"].values)}
@@ -74,34 +74,38 @@ def bifurcation_diagram(branches: list[xarray.Dataset], scene: Scene) -> Figure:
     return figure
 
 
-def _ordinate(scene: Scene) -> str:
-    if scene.hold.translates and not scene.anchors.ties:
+def _ordinate_label(scene: Scene) -> str:
+    if scene.boundary_condition.translates and not scene.anchors.support_points:
         return "angle of the tail against the nose [rad]"
-    return "tail across the straight rod [m]" if scene.hold.clamped else "y of the tail [m]"
+    return (
+        "tail across the straight rod [m]"
+        if scene.boundary_condition.is_clamped
+        else "y of the tail [m]"
+    )
 
 
-def _across(data: xarray.Dataset, prefix: str, scene: Scene) -> Array:
-    """What is drawn of the states (points,) upwards."""
+def _deflection(data: xarray.Dataset, prefix: str, scene: Scene) -> Array:
+    """Return the ordinate of the states of a branch, (points,)."""
     phi, tip = data[f"{prefix}phi"].values, data[f"{prefix}tip"].values
-    if scene.hold.translates and not scene.anchors.ties:
+    if scene.boundary_condition.translates and not scene.anchors.support_points:
         return np.asarray(phi[:, -1] - phi[:, 0])
-    angle = (scene.rod.clamp_angle or 0.0) if scene.hold.clamped else 0.0
+    angle = (scene.rod.clamp_angle or 0.0) if scene.boundary_condition.is_clamped else 0.0
     return np.asarray(tip @ [-np.sin(angle), np.cos(angle)])
 
 
-def _runs(unstable: Array) -> list[tuple[int, slice]]:
-    """Stretches of stable, unstable and unknown points; each goes on to the first of the next."""
+def _stability_runs(unstable: Array) -> list[tuple[int, slice]]:
+    """Split points into runs of equal stability; each includes the first point of the next."""
     signs = np.sign(unstable)
     ends = [0, *(np.flatnonzero(np.diff(signs)) + 1).tolist(), len(signs)]
     return [(int(signs[a]), slice(a, b + 1)) for a, b in pairwise(ends)]
 
 
-def _named(axes: Axes, branches: list[xarray.Dataset], scene: Scene) -> None:
-    """Values beside the special points."""
+def _annotate_values(axes: Axes, branches: list[xarray.Dataset], scene: Scene) -> None:
+    """Write the values beside the special points."""
     for data in branches:
         if not data.sizes["special"]:
             continue
-        moved = _across(data, "special_", scene)
+        moved = _deflection(data, "special_", scene)
         for value, y in zip(data["special_value"].values, moved, strict=True):
             axes.annotate(
                 f"{value:.6g}", (value, y), (4, 5), textcoords="offset points", fontsize="x-small"
@@ -109,8 +113,8 @@ def _named(axes: Axes, branches: list[xarray.Dataset], scene: Scene) -> None:
 
 
 def equilibrium_shapes(found: list[Equilibrium], scene: Scene) -> Figure:
-    """The rod in all equilibria that were found: stable ones solid, unstable ones dashed."""
-    figure = canvas(5.6, 5.2)
+    """Rod in all equilibria that were found: stable ones solid, unstable ones dashed."""
+    figure = make_figure(5.6, 5.2)
     axes = figure.add_subplot()
     axes.grid(alpha=0.3)
     for number, one in enumerate(found):
@@ -120,7 +124,7 @@ def equilibrium_shapes(found: list[Equilibrium], scene: Scene) -> Figure:
         )
         draw_marks(axes, scene, one.joints, SERIES[number % len(SERIES)])
     axes.set_aspect("equal", adjustable="datalim")
-    axes.set(xlabel=f"x [m]\n{marks_in_words(scene)}", ylabel="y [m]")
+    axes.set(xlabel=f"x [m]\n{describe_marks(scene)}", ylabel="y [m]")
     axes.set_title(f"{scene.name}: {len(found)} equilibria")
     words = {0: "stable", 1: "unstable", -1: "stability not known"}
     kinds = {-1 if one.stable is None else int(not one.stable) for one in found}
@@ -130,13 +134,13 @@ def equilibrium_shapes(found: list[Equilibrium], scene: Scene) -> Figure:
 
 
 def boundary_curve(data: xarray.Dataset, scene: Scene) -> Figure:
-    """The boundary of stability, the first number over the second, and the frequency along it.
-    Where damping vanishes, its limit is marked beside the onset without any."""
+    """Boundary of stability, the first number over the second (a damping is the abscissa), and the
+    frequency along it. Where damping vanishes, its limit is marked beside the undamped onset."""
     names = [data.attrs["a"], data.attrs["b"]]
     values = [data[name].values for name in ("a", "b")]
-    up = 0 if not _damps(names[0]) else 1  # a load stands upright, damping lies
+    up = 0 if not _is_damping(names[0]) else 1  # a load stands upright, damping lies
     y, x, frequency = values[up], values[1 - up], data["frequency"].values
-    figure = canvas(6.4, 5.2)
+    figure = make_figure(6.4, 5.2)
     upper, lower = figure.subplots(2, 1, sharex=True, height_ratios=(3, 1))
     upper.plot(x, y, color=CURVE, linewidth=LINE)
     places = [data[f"special_{name}"].values for name in ("a", "b")]
@@ -152,19 +156,19 @@ def boundary_curve(data: xarray.Dataset, scene: Scene) -> Figure:
         upper.annotate(kind, (place[1 - up], place[up]), **beside)
     lower.plot(x, frequency, color=CURVE, linewidth=LINE)
     positive = x[x > 0]
-    if _damps(names[1 - up]) and len(positive) and positive.max() > WIDE * positive.min():
+    if _is_damping(names[1 - up]) and len(positive) and positive.max() > WIDE * positive.min():
         least = max(float(positive.min()), float(positive.max()) / WIDEST)
         upper.set_xscale("symlog", linthresh=least, linscale=0.6)
         powers = 10.0 ** np.arange(np.ceil(np.log10(least)), np.ceil(np.log10(positive.max())) + 1)
         upper.set_xticks([0.0, *powers], minor=False)
         upper.set_xticks([], minor=True)
         upper.set_xlim(-0.3 * least, 2 * float(positive.max()))
-    if (x == 0).any() and _damps(names[1 - up]):
+    if (x == 0).any() and _is_damping(names[1 - up]):
         at = int(np.argmax(x == 0))
         unit = axis_label(names[up]).partition("[")[2].rstrip("]")
         label = f"limit of no damping: {y[at]:.6g} {unit}"
         upper.plot(0.0, y[at], "o", markerfacecolor="white", color=SPECIAL, label=label)
-        without = _undamped(scene, names[up])
+        without = _undamped_onset(scene, names[up])
         if without is not None:
             label = f"without damping: {without:.6g} {unit}"
             upper.plot(0.0, without, "o", color=SPECIAL, label=label)
@@ -187,14 +191,16 @@ def boundary_curve(data: xarray.Dataset, scene: Scene) -> Figure:
     return figure
 
 
-def _damps(key: str) -> bool:
-    """Whether a number is a damping."""
-    return any(term.damps and key.startswith(f"loads.{term.table}.") for term in TERMS.values())
+def _is_damping(key: str) -> bool:
+    """Whether a key is that of a damping."""
+    return any(
+        term.is_damping and key.startswith(f"loads.{term.table}.") for term in TERMS.values()
+    )
 
 
-def _undamped(scene: Scene, key: str) -> float | None:
-    """The onset of the scene without its damping, of the load that is varied."""
-    damping = [TERMS[name].table for name in scene.loads.terms if TERMS[name].damps]
+def _undamped_onset(scene: Scene, key: str) -> float | None:
+    """Return the critical value of a load in the scene without its damping, if it has any."""
+    damping = [TERMS[name].table for name in scene.loads.terms if TERMS[name].is_damping]
     if not damping:
         return None
     load = key.removeprefix("loads.").partition(".")[0]

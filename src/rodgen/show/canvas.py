@@ -1,4 +1,4 @@
-"""What pictures are drawn upon, and in which colours."""
+"""Figures for pictures, and their colours."""
 
 from __future__ import annotations
 
@@ -13,10 +13,10 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.colors import LinearSegmentedColormap
 from matplotlib.figure import Figure, SubFigure
 
-from rodgen.model.palette import LIGHT, shades
+from rodgen.model.palette import LIGHT, colours_of
 
 LINE = 1.2  # points
-SERIES = shades("series")
+SERIES = colours_of("series")
 CURVE, *_ = SERIES  # of a curve that is alone
 # Text and axes; notes; what other things are seen beside; the rod, its bodies, its fixed points and
 # its bed; its tail and its centre of gravity; what is special: points, failures.
@@ -28,7 +28,8 @@ EDGE, PAPER = str(LIGHT["edge"]), str(LIGHT["background"])
 STEPS = 65  # of the colours below: few enough for a GIF, and one of them is the middle
 # Blue below zero, red above, as the live view has it; and one that says which comes before which.
 MOMENTS, ALONG = (
-    LinearSegmentedColormap.from_list(name, shades(name), N=STEPS) for name in ("moments", "along")
+    LinearSegmentedColormap.from_list(name, colours_of(name), N=STEPS)
+    for name in ("moments", "along")
 )
 # Special points of curves: marks, and what they are called.
 MARKS = {
@@ -42,29 +43,30 @@ VALUES = "viridis"  # of maps, which are filled
 SLIVER = 0.05  # width over length
 
 
-def canvas(width: float, height: float) -> Figure:
-    """A figure of this size [inches], without a window; within `drawing`, that which was given."""
+def make_figure(width: float, height: float) -> Figure:
+    """Make a figure of this size [inches], without a window; inside `draw_into`, as it was
+    given."""
     given = _given.get()
     if not callable(given):
         return cast(Figure, given)  # of a part of a figure there is all that pictures ask for
     return given(figsize=(width, height), layout="constrained")
 
 
-def without_window(**how: Any) -> Figure:
-    """A figure that is only written to files."""
+def figure_without_window(**how: Any) -> Figure:
+    """Make a figure that is only written to files."""
     figure = Figure(**how)
     FigureCanvasAgg(figure)
     return figure
 
 
 _given: ContextVar[Figure | SubFigure | Callable[..., Figure]] = ContextVar(
-    "given", default=without_window
+    "given", default=figure_without_window
 )
 
 
 @contextmanager
-def drawing(given: Figure | SubFigure | Callable[..., Figure]) -> Iterator[None]:
-    """Pictures made inside are drawn in this figure, or in what this makes of a size."""
+def draw_into(given: Figure | SubFigure | Callable[..., Figure]) -> Iterator[None]:
+    """Draw the pictures made inside the block in this figure, or in what this function makes."""
     token = _given.set(given)
     try:
         yield
@@ -73,19 +75,19 @@ def drawing(given: Figure | SubFigure | Callable[..., Figure]) -> Iterator[None]
 
 
 def mark_of(kind: str) -> tuple[str, str]:
-    """Mark and name of a special point."""
+    """Return the mark and the name of a kind of special point."""
     return MARKS.get(kind, ("x", kind))
 
 
-def fit(figure: Figure, height: float) -> None:
+def set_height(figure: Figure, height: float) -> None:
     """Give a figure another height [inches], unless somebody else has chosen its size."""
     if callable(_given.get()):
         figure.set_figheight(height)
 
 
-def frame(axes: Axes, points: np.ndarray) -> None:
-    """Show all points (..., 2), with equal scales unless the picture would be a sliver in which
-    nothing is seen."""
+def set_limits(axes: Axes, points: np.ndarray) -> None:
+    """Set limits that show all points (..., 2), in equal scales unless the picture would be a
+    sliver in which nothing is seen."""
     flat = points.reshape(-1, 2)
     low, high = flat.min(axis=0), flat.max(axis=0)
     middle, half = (low + high) / 2, (high - low) / 2

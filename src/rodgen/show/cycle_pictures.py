@@ -10,12 +10,12 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
-from rodgen.analyse.cycles.cycle import Cycle
+from rodgen.analyse.cycles.cycle_result import Cycle
 from rodgen.arrays import Array
 from rodgen.model.terms import axis_label
 from rodgen.scene import Scene
-from rodgen.show.canvas import CURVE, FAINT, INK, LINE, ROD, SPECIAL, canvas, mark_of
-from rodgen.show.rod_marks import draw_marks, marks_in_words
+from rodgen.show.canvas import CURVE, FAINT, INK, LINE, ROD, SPECIAL, make_figure, mark_of
+from rodgen.show.rod_marks import describe_marks, draw_marks
 
 if TYPE_CHECKING:
     import xarray
@@ -29,7 +29,7 @@ INSIDE = 1.25  # what is drawn of the plane, at least
 def film_strip(cycle: Cycle) -> Figure:
     """The rod at eight times of a period, with the shapes just before each behind it."""
     motion = cycle.motion
-    joints = _beside(motion.joints, cycle)
+    joints = _relative_joints(motion.joints, cycle)
     low, high = joints.min(axis=(0, 1)), joints.max(axis=(0, 1))
     room = MARGIN * max(high - low)
     low, high = low - room, high + room
@@ -38,7 +38,7 @@ def film_strip(cycle: Cycle) -> Figure:
     rows, columns = (1, FRAMES) if upright else (2, FRAMES // 2)
     across = 7.4 / columns
     tall = float(np.clip(across * height / width, 0.5, 4.0))
-    figure = canvas(7.8, rows * (tall + 0.35) + 0.9)
+    figure = make_figure(7.8, rows * (tall + 0.35) + 0.9)
     panels = figure.subplots(rows, columns, sharex=True, sharey=True, squeeze=False)
     step = (len(joints) - 1) // FRAMES
     for frame, axes in enumerate(panels.flat):
@@ -53,36 +53,36 @@ def film_strip(cycle: Cycle) -> Figure:
         axes.tick_params(labelsize="x-small")
         axes.grid(alpha=0.3)
     kind = "stable" if cycle.stable else "unstable"
-    seen = ", seen from its centre of gravity" if _moves(cycle) else ""
+    seen = ", seen from its centre of gravity" if _is_free(cycle) else ""
     figure.suptitle(
         f"{cycle.scene.name}: {kind} cycle, T = {cycle.period:.6g} s{seen}", fontsize="medium"
     )
-    figure.supxlabel(f"x [m]\n{marks_in_words(cycle.scene)}", fontsize="small")
+    figure.supxlabel(f"x [m]\n{describe_marks(cycle.scene)}", fontsize="small")
     figure.supylabel("y [m]", fontsize="small")
     return figure
 
 
-def _moves(cycle: Cycle) -> bool:
-    """Whether nothing holds the rod in its place."""
-    return bool(cycle.scene.hold.translates and not cycle.scene.anchors.terms)
+def _is_free(cycle: Cycle) -> bool:
+    """Whether the rod is free: nothing holds it in its place."""
+    return bool(cycle.scene.boundary_condition.translates and not cycle.scene.anchors.terms)
 
 
-def _beside(joints: Array, cycle: Cycle) -> Array:
-    """Joints (T, n+1, 2) as they are, or of a rod that flies from its centre of gravity."""
-    if not _moves(cycle):
+def _relative_joints(joints: Array, cycle: Cycle) -> Array:
+    """Return the joints (T, n+1, 2); of a rod that is free, from its centre of gravity."""
+    if not _is_free(cycle):
         return joints
     return joints - cycle.motion.centre_of_gravity[:, None]
 
 
 def unit_circle(cycle: Cycle) -> Figure:
-    """The multipliers in the complex plane, with the unit circle; those that are 1 by symmetry as
-    rings."""
+    """Floquet multipliers of a cycle with the unit circle; a ring for those that are 1 by
+    symmetry."""
     return multiplier_plane(cycle.nontrivial, cycle.scene.name, cycle.trivial)
 
 
 def multiplier_plane(multipliers: NDArray[np.complex128], name: str, trivial: int = 0) -> Figure:
-    """Multipliers with the unit circle; trivial: how many more are 1 by symmetry."""
-    figure = canvas(4.6, 4.6)
+    """Floquet multipliers with the unit circle; trivial: how many more are 1 by symmetry."""
+    figure = make_figure(4.6, 4.6)
     axes = figure.add_subplot()
     turn = np.linspace(0, 2 * np.pi, 361)
     axes.plot(np.cos(turn), np.sin(turn), "-", color=FAINT, linewidth=LINE)
@@ -102,23 +102,23 @@ def multiplier_plane(multipliers: NDArray[np.complex128], name: str, trivial: in
     return figure
 
 
-def amplitudes(data: xarray.Dataset, scene: Scene) -> Figure:
+def cycle_branch_diagram(data: xarray.Dataset, scene: Scene) -> Figure:
     """Amplitude and period along a branch of cycles: stable ones solid, unstable ones dashed,
     special points marked and named."""
     value = data["value"].values
     stable = data["unstable"].values == 0
-    figure = canvas(6.5, 5.6)
+    figure = make_figure(6.5, 5.6)
     top, low = figure.subplots(2, 1, sharex=True)
     for axes, name, words in (
         (top, "amplitude", "amplitude of the angles [rad]"),
         (low, "period", "period [s]"),
     ):
         height = data[name].values
-        _draw(axes, value, height, stable)
+        _draw_curve(axes, value, height, stable)
         for kind in dict.fromkeys(data["special_kind"].values.tolist()):
             here = np.flatnonzero(data["special_kind"].values == kind)
             x = data["special_value"].values[here]
-            y = [_height(data, name, int(one)) for one in here]
+            y = [_ordinate(data, name, int(one)) for one in here]
             mark, label = mark_of(kind)
             axes.plot(x, y, mark, color=SPECIAL, markersize=5, label=label)
         axes.set_ylabel(words)
@@ -130,8 +130,8 @@ def amplitudes(data: xarray.Dataset, scene: Scene) -> Figure:
     return figure
 
 
-def _draw(axes: Axes, x: Array, y: Array, stable: NDArray[np.bool_]) -> None:
-    """A curve, solid where both ends of a piece are stable, dashed elsewhere."""
+def _draw_curve(axes: Axes, x: Array, y: Array, stable: NDArray[np.bool_]) -> None:
+    """Draw a curve, solid where both ends of a piece are stable, dashed elsewhere."""
     solid = stable[:-1] & stable[1:]
     changes = (np.flatnonzero(np.diff(solid)) + 1).tolist()
     for first, last in pairwise([0, *changes, len(solid)]):
@@ -139,8 +139,8 @@ def _draw(axes: Axes, x: Array, y: Array, stable: NDArray[np.bool_]) -> None:
         axes.plot(x[part], y[part], "-" if solid[first] else "--", color=CURVE, linewidth=LINE)
 
 
-def _height(data: xarray.Dataset, name: str, special: int) -> float:
-    """Where a special point stands in a curve."""
+def _ordinate(data: xarray.Dataset, name: str, special: int) -> float:
+    """Return the ordinate of a special point, interpolated along the branch."""
     if name == "period":
         return float(data["special_period"][special])
     after = int(data["special_after"][special])
@@ -154,13 +154,13 @@ def _height(data: xarray.Dataset, name: str, special: int) -> float:
     return float(data[name][after] * (1 - share) + data[name][after + 1] * share)
 
 
-def family(data: xarray.Dataset, scene: Scene) -> Figure:
+def frequency_energy_plot(data: xarray.Dataset, scene: Scene) -> Figure:
     """Frequency against energy of a nonlinear mode: stable motions solid, unstable ones dashed."""
-    figure = canvas(6.0, 4.2)
+    figure = make_figure(6.0, 4.2)
     axes = figure.add_subplot()
     stable = data["unstable"].values == 0
     energy, frequency = data["energy"].values, data["frequency"].values
-    _draw(axes, energy, frequency, stable)
+    _draw_curve(axes, energy, frequency, stable)
     axes.plot(
         [0.0], [data.attrs["linear_frequency"]], "o", color=INK, markersize=4, label="linear mode"
     )

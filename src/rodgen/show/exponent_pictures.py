@@ -1,4 +1,4 @@
-"""Pictures of Lyapunov exponents: how their means settle, and all of them together."""
+"""Pictures of Lyapunov exponents: the convergence of their means, and their spectrum."""
 
 from __future__ import annotations
 
@@ -8,8 +8,8 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from rodgen.analyse.chaos.exponents import Exponents
-from rodgen.show.canvas import ALONG, CURVE, FAINT, LINE, canvas
+from rodgen.analyse.chaos.lyapunov import Exponents
+from rodgen.show.canvas import ALONG, CURVE, FAINT, LINE, make_figure
 
 CURVES = 12  # of means that settle
 NAMED = 6  # of these, with a name each
@@ -17,9 +17,9 @@ SPECTRUM = 3  # exponents from which on there is a picture of all of them
 
 
 def convergence(found: Exponents, name: str) -> Figure:
-    """Means over time with their errors at the end; beside them all exponents by number."""
+    """Means over time with their errors at the end; from three on, beside them the spectrum."""
     several = len(found.exponents) >= SPECTRUM
-    figure = canvas(9.5 if several else 6.5, 4.0)
+    figure = make_figure(9.5 if several else 6.5, 4.0)
     panels = figure.subplots(1, 1 + several, squeeze=False, width_ratios=[3, 2][: 1 + several])[0]
     _means(panels[0], found)
     if several:

@@ -1,5 +1,5 @@
-"""How methods look in pictures; and work-precision diagrams in E. Hairer's convention, where errors
-fall to the right and time goes up."""
+"""Work-precision diagrams in E. Hairer's convention, where errors fall to the right and time goes
+up; and the line styles of methods."""
 
 from __future__ import annotations
 
@@ -13,8 +13,15 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import Formatter, FuncFormatter, NullFormatter
 
 from rodgen.analyse.precision.contestant import Measurement
-from rodgen.analyse.precision.rows import fine, front, grouped, label, number, text
-from rodgen.show.canvas import FAINT, GUIDE, INK, SERIES, TAIL, canvas, without_window
+from rodgen.analyse.precision.rows import (
+    format_label,
+    group_rows,
+    has_result,
+    pareto_front,
+    read_number,
+    read_text,
+)
+from rodgen.show.canvas import FAINT, GUIDE, INK, SERIES, TAIL, figure_without_window, make_figure
 
 # The colour of the series, from 1 on, and the mark.
 OURS = {
@@ -60,21 +67,21 @@ LARGEST, SMALLEST = 10.0, 1e-17  # errors that are drawn
 COLUMNS, LINE = 3, 0.16  # of names below a diagram, and inches that a row of them takes
 
 
-class Look(NamedTuple):
-    """A line: its name, what makes it, and whether it is ours."""
+class LineStyle(NamedTuple):
+    """Line of a method: its label, its style, and whether the method is one of rodgen."""
 
     label: str
     line: dict[str, Any]
     ours: bool
 
 
-def look(row: Measurement) -> Look:
-    """How a method looks everywhere: those of rodgen in colour, with hollow marks for equations in
-    NumPy; those of others grey and dashed."""
-    method, target, who = (text(row, key) for key in ("method", "target", "who"))
+def line_style(row: Measurement) -> LineStyle:
+    """Return the line of a method, the same everywhere: those of rodgen in colour, with hollow
+    marks for equations in NumPy; those of others grey and dashed."""
+    method, target, who = (read_text(row, key) for key in ("method", "target", "who"))
     ours = who in ("", "rodgen")
     if ours:
-        colour, mark = own(method)
+        colour, mark = own_style(method)
         style: dict[str, Any] = {
             "color": colour,
             "linestyle": "-",
@@ -83,27 +90,31 @@ def look(row: Measurement) -> Look:
         }
         style |= {} if target != "numpy" else {"markerfacecolor": "none", "linewidth": 0.9}
     else:
-        mark = PEERS.get(who, OTHERS[_code(who) % len(OTHERS)])
-        dashes = (0, DASHES[_code(method + target) % len(DASHES)])
+        mark = PEERS.get(who, OTHERS[_stable_hash(who) % len(OTHERS)])
+        dashes = (0, DASHES[_stable_hash(method + target) % len(DASHES)])
         style = {"color": FAINT, "linestyle": dashes, "marker": mark, "linewidth": 1.0}
-    return Look(label(row), style | {"markersize": 3.8, "zorder": 3.0 if ours else 2.5}, ours)
+    return LineStyle(
+        format_label(row), style | {"markersize": 3.8, "zorder": 3.0 if ours else 2.5}, ours
+    )
 
 
-def own(method: str) -> tuple[str, str]:
-    """Colour and mark of a method of rodgen, or of a variant of one."""
+def own_style(method: str) -> tuple[str, str]:
+    """Return colour and mark of a method of rodgen, or of a variant of one."""
     number, mark = OURS.get(re.split(r"[ ,]", method.lower())[0], (0, "o"))
     return (SERIES[number - 1] if number else FAINT), mark
 
 
-def _code(name: str) -> int:
-    """A number for a name, alike in every process, as hash() is not."""
+def _stable_hash(name: str) -> int:
+    """Return a number for a name, alike in every process, as hash() is not."""
     return sum(map(ord, name))
 
 
-def axes(width: float, height: float, x: str, y: str, fixed: bool = False) -> tuple[Figure, Axes]:
-    """A picture of one diagram with a pale grid; sizes in inches. fixed: nothing is outside of
+def make_diagram(
+    width: float, height: float, x: str, y: str, fixed: bool = False
+) -> tuple[Figure, Axes]:
+    """Make a figure of one diagram with a pale grid; sizes in inches. fixed: nothing is outside of
     the diagram, so that its place need not be looked for, which takes half of the time."""
-    figure = without_window(figsize=(width, height)) if fixed else canvas(width, height)
+    figure = figure_without_window(figsize=(width, height)) if fixed else make_figure(width, height)
     place = LEFT / width, BELOW / height, 1 - (LEFT + 0.1) / width, 1 - (BELOW + 0.1) / height
     frame = figure.add_axes(place) if fixed else figure.add_subplot()
     frame.grid(color=GUIDE, alpha=0.3, linewidth=0.6)
@@ -115,38 +126,38 @@ def axes(width: float, height: float, x: str, y: str, fixed: bool = False) -> tu
     return figure, frame
 
 
-def logarithmic(frame: Axes, *, x: bool = True, y: bool = True) -> None:
-    """Logarithmic axes, set once their limits are: labels as plain text, as mathematics is slow."""
+def label_logarithmic(frame: Axes, *, x: bool = True, y: bool = True) -> None:
+    """Label logarithmic axes, once their limits are set, in plain text: mathematics is slow."""
     for axis, wanted in ((frame.xaxis, x), (frame.yaxis, y)):
         if wanted:
             low, high = sorted(axis.get_view_interval())
-            axis.set_major_formatter(FuncFormatter(lambda value, _: _power(value)))
-            axis.set_minor_formatter(_between(high / low))
+            axis.set_major_formatter(FuncFormatter(lambda value, _: _power_label(value)))
+            axis.set_minor_formatter(_minor_formatter(high / low))
             axis.set_tick_params(which="minor", labelsize=7, labelcolor=INK, color=GUIDE)
 
 
-def _power(value: float) -> str:
-    """As 10 with its exponent raised."""
+def _power_label(value: float) -> str:
+    """Write a power of ten with its exponent raised."""
     return "10" + f"{math.log10(value):.0f}".translate(RAISED)
 
 
-def _between(ratio: float) -> Formatter:
-    """Labels between powers of ten, by largest over smallest value: perhaps there is one such power
-    alone, and 2 and 5 have labels too; or none, and everything has."""
+def _minor_formatter(ratio: float) -> Formatter:
+    """Return labels between powers of ten; ratio: largest over smallest value. Few powers leave
+    room for 2 and 5, too; where there may be none, everything has a label."""
     if ratio > 30:
         return NullFormatter()
 
-    def words(value: float, _: object = None) -> str:
+    def minor_label(value: float, _: object = None) -> str:
         digits, _, power = f"{value:.3e}".partition("e")
         digits = digits.rstrip("0").rstrip(".")
         shown = ratio < 3 or digits in ("2", "5")
-        return f"{digits}\u00b7{_power(10.0 ** int(power))}" if shown else ""
+        return f"{digits}\u00b7{_power_label(10.0 ** int(power))}" if shown else ""
 
-    return FuncFormatter(words)
+    return FuncFormatter(minor_label)
 
 
-def legend(figure: Figure, columns: int = COLUMNS) -> Figure:
-    """The names of all lines below the diagram."""
+def add_legend(figure: Figure, columns: int = COLUMNS) -> Figure:
+    """Add the names of all lines below the diagram."""
     figure.legend(
         loc="outside lower center", ncols=columns, fontsize=8, frameon=False, labelcolor=INK
     )
@@ -154,52 +165,59 @@ def legend(figure: Figure, columns: int = COLUMNS) -> Figure:
 
 
 def work_precision(rows: Sequence[Measurement], measure: str, trusted: float) -> Figure | None:
-    """Run time against error, with names below; None where there is nothing to draw."""
-    names = grouped(drawn(rows, measure, "seconds"), label)
+    """Run time over error, with names below; None where there is nothing to draw."""
+    names = group_rows(drawable_rows(rows, measure, "seconds"), format_label)
     if not names:
         return None
     height = 4.2 + LINE * math.ceil(len(names) / COLUMNS)
-    figure, frame = axes(7.6, height, MEASURES[measure], "run time [s]")
-    _lines(frame, rows, measure, "seconds", trusted)
-    _front(frame, rows, measure, trusted)
-    return legend(figure)
+    figure, frame = make_diagram(7.6, height, MEASURES[measure], "run time [s]")
+    _draw_lines(frame, rows, measure, "seconds", trusted)
+    _draw_front(frame, rows, measure, trusted)
+    return add_legend(figure)
 
 
-def small(rows: Sequence[Measurement], measure: str, cost: str, trusted: float) -> Figure | None:
-    """A diagram without names, small. cost: "seconds", or "rhs" for evaluations."""
-    if not drawn(rows, measure, cost):
+def small_diagram(
+    rows: Sequence[Measurement], measure: str, cost: str, trusted: float
+) -> Figure | None:
+    """Small diagram without names. cost: "seconds", or "rhs" for evaluations."""
+    if not drawable_rows(rows, measure, cost):
         return None
     title = "run time [s]" if cost == "seconds" else "evaluations of rhs"
-    figure, frame = axes(4.1, 3.0, MEASURES[measure], title, fixed=True)
-    _lines(frame, rows, measure, cost, trusted)
+    figure, frame = make_diagram(4.1, 3.0, MEASURES[measure], title, fixed=True)
+    _draw_lines(frame, rows, measure, cost, trusted)
     if cost == "seconds":
-        _front(frame, rows, measure, trusted)
+        _draw_front(frame, rows, measure, trusted)
     return figure
 
 
-def drawn(rows: Sequence[Measurement], measure: str, cost: str) -> list[Measurement]:
-    """What has a place in a diagram with logarithmic axes."""
+def drawable_rows(rows: Sequence[Measurement], measure: str, cost: str) -> list[Measurement]:
+    """Return the rows that have a place in a diagram with logarithmic axes."""
     return [
         row
         for row in rows
-        if fine(row) and number(row, cost) > 0 and 0 <= number(row, measure) <= LARGEST
+        if has_result(row)
+        and read_number(row, cost) > 0
+        and 0 <= read_number(row, measure) <= LARGEST
     ]
 
 
 def _error(row: Measurement, measure: str) -> float:
-    return max(number(row, measure), SMALLEST)
+    return max(read_number(row, measure), SMALLEST)
 
 
-def _lines(
+def _draw_lines(
     frame: Axes, rows: Sequence[Measurement], measure: str, cost: str, trusted: float
 ) -> None:
-    shown = drawn(rows, measure, cost)
+    shown = drawable_rows(rows, measure, cost)
     frame.set(xscale="log", yscale="log")
-    for name, some in grouped(shown, label).items():
-        ordered = sorted(some, key=lambda row: -number(row, "setting"))
+    for name, some in group_rows(shown, format_label).items():
+        ordered = sorted(some, key=lambda row: -read_number(row, "setting"))
         errors = [_error(row, measure) for row in ordered]
         frame.plot(
-            errors, [number(row, cost) for row in ordered], label=name, **look(ordered[0]).line
+            errors,
+            [read_number(row, cost) for row in ordered],
+            label=name,
+            **line_style(ordered[0]).line,
         )
     errors = [_error(row, measure) for row in shown]
     left, right = 2.5 * max(errors), min(errors) / 2.5
@@ -207,15 +225,15 @@ def _lines(
     if trusted > right:
         frame.axvspan(right, min(trusted, left), color=GUIDE, alpha=0.22, linewidth=0, zorder=1)
         frame.axvline(min(trusted, left), color=GUIDE, linewidth=0.8, linestyle=":")
-    costs = [number(row, cost) for row in shown]
+    costs = [read_number(row, cost) for row in shown]
     frame.set_ylim(min(costs) / 2, max(costs) * 2)
-    logarithmic(frame)
+    label_logarithmic(frame)
 
 
-def _front(frame: Axes, rows: Sequence[Measurement], measure: str, trusted: float) -> None:
-    points = front(drawn(rows, measure, "seconds"), measure, trusted)
+def _draw_front(frame: Axes, rows: Sequence[Measurement], measure: str, trusted: float) -> None:
+    points = pareto_front(drawable_rows(rows, measure, "seconds"), measure, trusted)
     errors = [_error(row, measure) for row in points]
-    seconds = [number(row, "seconds") for row in points]
+    seconds = [read_number(row, "seconds") for row in points]
     frame.plot(errors, seconds, color=TAIL, linewidth=5, alpha=0.35, zorder=2)
     ring: dict[str, Any] = {"markerfacecolor": "none", "markeredgecolor": INK, "markersize": 7.5}
     frame.plot(errors, seconds, "o", markeredgewidth=0.8, zorder=4, **ring)

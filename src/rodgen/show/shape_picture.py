@@ -1,4 +1,4 @@
-"""The picture of a run that shows the rod at several times."""
+"""Picture of the rod at several times of a run."""
 
 from __future__ import annotations
 
@@ -10,8 +10,8 @@ from numpy.typing import NDArray
 
 from rodgen.arrays import Array
 from rodgen.integrate import Solution
-from rodgen.show.canvas import ALONG, LINE, canvas, frame
-from rodgen.show.rod_marks import draw_marks, marks_in_words
+from rodgen.show.canvas import ALONG, LINE, make_figure, set_limits
+from rodgen.show.rod_marks import describe_marks, draw_marks
 
 SHAPES = 12  # rods drawn in one picture
 FAR = 20.0  # lengths, beyond which a rod is a dot on its way
@@ -20,15 +20,17 @@ FURTHER = 1.1  # times as far as in the second half, from which the first is dra
 
 
 def shapes(solution: Solution) -> Figure:
-    """The rod at twelve times, coloured by time; one that has flown so far that it would be a dot,
-    each shape beside the one before. Where it swings so often that twelve shapes of the whole run
-    would tell nothing of that, they are of a part of it."""
-    figure = canvas(6.0, 5.0)
+    """Rod at twelve times, coloured by time; side by side where it flies so far that it would be a
+    dot. Where it swings too often for twelve shapes of the whole run to show that, they are of a
+    part of it."""
+    figure = make_figure(6.0, 5.0)
     axes = figure.add_subplot()
     axes.grid(alpha=0.3)
-    scene, samples = solution.scene, _samples(solution)
+    scene, samples = solution.scene, _choose_samples(solution)
     t, every, far = solution.t[samples], solution.joints[samples], solution.scene.rod.length
-    apart = scene.hold.translates and float(np.ptp(every, axis=(0, 1)).max()) > FAR * far
+    apart = (
+        scene.boundary_condition.translates and float(np.ptp(every, axis=(0, 1)).max()) > FAR * far
+    )
     if apart:
         places = far * np.arange(len(t))
         centres = solution.centre_of_gravity[samples]
@@ -41,41 +43,41 @@ def shapes(solution: Solution) -> Figure:
         draw_marks(axes, scene, joints, colour, anchors=not apart)
     across = "shapes side by side, in the scale of y, at t [s]" if apart else "x [m]"
     up = "y from the centre of gravity [m]" if apart else "y [m]"
-    axes.set(xlabel=f"{across}\n{marks_in_words(scene, anchors=not apart)}", ylabel=up)
-    axes.set_title(f"{scene.name}: shape{_when(t, solution.t)}")
-    fixed = [] if apart else [(tie.x, tie.y) for tie in scene.anchors.ties]
-    frame(axes, np.concatenate((every.reshape(-1, 2), np.reshape(fixed, (-1, 2)))))
+    axes.set(xlabel=f"{across}\n{describe_marks(scene, anchors=not apart)}", ylabel=up)
+    axes.set_title(f"{scene.name}: shape{_describe_times(t, solution.t)}")
+    fixed = [] if apart else [(tie.x, tie.y) for tie in scene.anchors.support_points]
+    set_limits(axes, np.concatenate((every.reshape(-1, 2), np.reshape(fixed, (-1, 2)))))
     # A bar beside the axes would be higher than those of a flat rod.
     figure.colorbar(colours, cax=axes.inset_axes((1.03, 0.0, 0.03, 1.0)), label="t [s]")
     return figure
 
 
-def _samples(solution: Solution) -> NDArray[np.int_]:
-    """Those that are drawn: of the whole run; where more happens between them than they show, of
-    the half in which the rod moves further, or of a half of that, and so on."""
+def _choose_samples(solution: Solution) -> NDArray[np.int_]:
+    """Choose the samples that are drawn: of the whole run; where more happens between them than
+    they show, of the half in which the rod moves further, or of a half of that, and so on."""
     way = solution.joints[:, [solution.joints.shape[1] // 2, -1]].reshape(len(solution.t), -1)
     whole = first, last = 0, len(way) - 1
     while last - first >= 2 * SHAPES:
-        samples = _spread(first, last)
-        if _missed(way, samples) <= MISSED:
+        samples = _spread_samples(first, last)
+        if _interpolation_error(way, samples) <= MISSED:
             return samples
         middle = (first + last) // 2
-        before, after = _length(way[first : middle + 1]), _length(way[middle : last + 1])
+        before, after = _path_length(way[first : middle + 1]), _path_length(way[middle : last + 1])
         first, last = (first, middle) if before > FURTHER * after else (middle, last)
-    return _spread(*whole)
+    return _spread_samples(*whole)
 
 
-def _spread(first: int, last: int) -> NDArray[np.int_]:
+def _spread_samples(first: int, last: int) -> NDArray[np.int_]:
     return np.unique(np.linspace(first, last, SHAPES).round().astype(int))
 
 
-def _length(way: Array) -> float:
+def _path_length(way: Array) -> float:
     return float(np.linalg.norm(np.diff(way, axis=0), axis=1).sum())
 
 
-def _missed(way: Array, samples: NDArray[np.int_]) -> float:
-    """How far points of the rod (T, coordinates) are from where lines from sample to sample have
-    them, over how far they are from their mean: both are root mean squares."""
+def _interpolation_error(way: Array, samples: NDArray[np.int_]) -> float:
+    """Return the error of points of the rod (T, coordinates) interpolated between samples, over
+    their distance from their mean: both are root mean squares."""
     every = np.arange(samples[0], samples[-1] + 1)
     seen = np.stack([np.interp(every, samples, part[samples]) for part in way.T], -1)
     there = way[every]
@@ -83,8 +85,8 @@ def _missed(way: Array, samples: NDArray[np.int_]) -> float:
     return float(np.linalg.norm(there - seen)) / (moved or 1.0)
 
 
-def _when(t: Array, every: Array) -> str:
-    """How far the shapes are apart in time, and of which part of the run they are."""
+def _describe_times(t: Array, every: Array) -> str:
+    """Describe the time between shapes, and the part of the run that they are of."""
     if len(t) < 2:
         return ""
     whole = t[0] == every[0] and t[-1] == every[-1]

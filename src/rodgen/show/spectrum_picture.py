@@ -1,16 +1,16 @@
-"""The picture of a spectrum."""
+"""Picture of a spectrum."""
 
 from __future__ import annotations
 
 from matplotlib.figure import Figure
 
-from rodgen.analyse.fourier import Spectrum
-from rodgen.show.canvas import CURVE, LINE, SPECIAL, canvas
+from rodgen.analyse.spectrum import Spectrum
+from rodgen.show.canvas import CURVE, LINE, SPECIAL, make_figure
 
 
 def spectral_density(found: Spectrum) -> Figure:
-    """Density over frequency, with a line at every peak."""
-    figure = canvas(6.5, 4.0)
+    """Spectral density over frequency, with a line at every peak."""
+    figure = make_figure(6.5, 4.0)
     axes = figure.add_subplot()
     axes.semilogy(found.bins[1:], found.density[1:], color=CURVE, linewidth=LINE)
     for frequency in found.frequencies:

@@ -19,10 +19,10 @@ from matplotlib.patheffects import withStroke
 from matplotlib.ticker import LogLocator
 from numpy.typing import NDArray
 
-from rodgen.integrate.endings import FINISHED, NO_RESULT
-from rodgen.show.canvas import BED, INK, LINE, PAPER, SERIES, SPECIAL, VALUES, canvas
-from rodgen.show.pictures import save_figures
-from rodgen.show.study_results import Results, logarithmic
+from rodgen.integrate.run_status import FINISHED, NO_RESULT
+from rodgen.show.canvas import BED, INK, LINE, PAPER, SERIES, SPECIAL, VALUES, make_figure
+from rodgen.show.run_pictures import save_figures
+from rodgen.show.study_results import StudyResults, is_logarithmic
 
 if TYPE_CHECKING:
     import xarray
@@ -38,7 +38,7 @@ MOST_PERIOD = 8  # different values of a section that are told apart
 SAME, OUTSIDE = 1e-3, (0.001, 0.999)  # of the range; what of all values is taken for it
 
 
-def draw(dataset: xarray.Dataset, folder: Path) -> list[Path]:
+def save_study_pictures(dataset: xarray.Dataset, folder: Path) -> list[Path]:
     """Write pictures of what a study has kept as PNG into a folder that exists; returns the files.
 
     One axis: a curve of every number, a bifurcation diagram of every section. Two: a map with lines
@@ -51,33 +51,41 @@ def draw(dataset: xarray.Dataset, folder: Path) -> list[Path]:
 
 
 def pictures_of(dataset: xarray.Dataset) -> dict[str, Callable[[], Figure]]:
-    """What draws the pictures that `draw` writes, by the names of what they show."""
-    return {name: partial(way, *of) for name, way, of in _ways(Results.thinned(dataset))}
+    """Return the functions that draw the pictures of a study, by the names of the pictures."""
+    return {
+        name: partial(way, *of) for name, way, of in _list_pictures(StudyResults.subsample(dataset))
+    }
 
 
-def _ways(of: Results) -> Iterator[tuple[str, Callable[..., Figure], tuple[Any, ...]]]:
-    """Every picture: its name, what draws it, and from what."""
-    if not of.sampled and len(of.axes) <= 3:
-        ways: dict[int, Callable[[Results, str], Figure]] = {1: curve, 2: map_of, 3: maps_of}
+def _list_pictures(
+    of: StudyResults,
+) -> Iterator[tuple[str, Callable[..., Figure], tuple[Any, ...]]]:
+    """Yield every picture: its name, the function that draws it, and its arguments."""
+    if not of.is_sample and len(of.axes) <= 3:
+        ways: dict[int, Callable[[StudyResults, str], Figure]] = {
+            1: curve_plot,
+            2: map_plot,
+            3: map_matrix,
+        }
         for name in of.kept[:MOST_PICTURES]:
             if of.is_section(name):
                 if len(of.axes) < 3 and not name.endswith(".t"):
-                    yield name, (bifurcation, periods)[len(of.axes) - 1], (of, name)
-            elif len(of.axes) == 1 or not of.beyond(name):
+                    yield name, (bifurcation_plot, period_map)[len(of.axes) - 1], (of, name)
+            elif len(of.axes) == 1 or not of.inner_dims(name):
                 yield name, ways[len(of.axes)], (of, name)
     else:
         yield "scatter", scatter_matrix, (of,)
 
 
 def file_name(name: str) -> str:
-    """The name of a variable as that of a file."""
+    """Make a file name of the name of a variable."""
     return re.sub(r"[^A-Za-z0-9]+", "_", name).strip("_") or "picture"
 
 
-def _set_axis(axes: Axes, of: Results, name: str, which: str) -> None:
-    """Scale, label and ticks of an axis of a picture."""
-    values, texts = of.along(name)
-    if logarithmic(values):
+def _set_axis(axes: Axes, of: StudyResults, name: str, which: str) -> None:
+    """Set scale, label and ticks of an axis of a picture."""
+    values, texts = of.axis_values(name)
+    if is_logarithmic(values):
         getattr(axes, f"set_{which}scale")("log")
     getattr(axes, f"set_{which}label")(of.label(name))
     if texts:
@@ -87,12 +95,12 @@ def _set_axis(axes: Axes, of: Results, name: str, which: str) -> None:
 # One axis -----------------------------------------------------------------------------------------
 
 
-def curve(of: Results, name: str) -> Figure:
-    """A number along an axis; of several, each."""
-    figure = canvas(6.0, 4.0)
+def curve_plot(of: StudyResults, name: str) -> Figure:
+    """Curve of a number over an axis; of several numbers, one each."""
+    figure = make_figure(6.0, 4.0)
     axes = figure.add_subplot()
-    x, _ = of.along(of.axes[0])
-    values, classes = of.numbers(name)
+    x, _ = of.axis_values(of.axes[0])
+    values, classes = of.values_of(name)
     columns = values.reshape(len(x), -1)
     order = np.argsort(x)
     axes.set_prop_cycle(color=SERIES)
@@ -102,7 +110,7 @@ def curve(of: Results, name: str) -> Figure:
     for at in range(columns.shape[1]):
         label = f"{at + 1}" if columns.shape[1] > 1 else None
         axes.plot(x[order], columns[order, at], style, linewidth=LINE, markersize=size, label=label)
-    _mark_lost(axes, of, x)
+    _mark_failures(axes, of, x)
     _set_axis(axes, of, of.axes[0], "x")
     if classes:
         axes.set_yticks(range(len(classes)), classes)
@@ -113,8 +121,8 @@ def curve(of: Results, name: str) -> Figure:
     return figure
 
 
-def _mark_lost(axes: Axes, of: Results, x: NDArray[np.float64]) -> None:
-    """Points that failed, along the lower edge."""
+def _mark_failures(axes: Axes, of: StudyResults, x: NDArray[np.float64]) -> None:
+    """Mark points that failed, along the lower edge."""
     lost = x[np.isin(of.status, NO_RESULT)]
     if len(lost):
         axes.plot(
@@ -128,17 +136,17 @@ def _mark_lost(axes: Axes, of: Results, x: NDArray[np.float64]) -> None:
         )
 
 
-def bifurcation(of: Results, name: str) -> Figure:
+def bifurcation_plot(of: StudyResults, name: str) -> Figure:
     """All values of a section over an axis."""
-    figure = canvas(6.5, 4.5)
+    figure = make_figure(6.5, 4.5)
     axes = figure.add_subplot()
-    x, _ = of.along(of.axes[0])
-    values, _ = of.numbers(name)
+    x, _ = of.axis_values(of.axes[0])
+    values, _ = of.values_of(name)
     points = np.repeat(x[:, None], values.shape[1], axis=1)
     shown = np.isfinite(values)
     size = float(np.clip(3e3 / max(1, shown.sum()), 0.1, 3.0))
     axes.plot(points[shown], values[shown], ".", color=INK, markersize=size, rasterized=True)
-    _mark_lost(axes, of, x)
+    _mark_failures(axes, of, x)
     _set_axis(axes, of, of.axes[0], "x")
     axes.set(ylabel=of.label(name), title=f"{of.title}: bifurcation diagram")
     axes.grid(alpha=0.3)
@@ -148,26 +156,26 @@ def bifurcation(of: Results, name: str) -> Figure:
 # Two and three ------------------------------------------------------------------------------------
 
 
-def map_of(of: Results, name: str) -> Figure:
-    """A number over two axes, the first of them upwards."""
-    figure = canvas(6.5, 5.0)
+def map_plot(of: StudyResults, name: str) -> Figure:
+    """Map of a number over two axes, the first of them upwards."""
+    figure = make_figure(6.5, 5.0)
     axes = figure.add_subplot()
-    values, classes = of.numbers(name)
-    scale = _scale(values, classes)
-    _panel(axes, of, of.axes, values, of.status, scale, classes, lines=True)
+    values, classes = of.values_of(name)
+    scale = _colour_scale(values, classes)
+    _draw_map(axes, of, of.axes, values, of.status, scale, classes, lines=True)
     all_alike = len(classes) == 1 and bool((of.status == FINISHED).all())
     everywhere = f": {classes[0]} everywhere" if all_alike else ""
     axes.set_title(f"{of.title}: {name}{everywhere}")
-    _legend(figure, axes, of, name, scale, classes)
+    _add_legend(figure, axes, of, name, scale, classes)
     return figure
 
 
-def periods(of: Results, name: str) -> Figure:
-    """How many values a section has over two axes: one where the motion repeats itself from one
-    crossing to the next, two where it does so every other time, and so on."""
-    figure = canvas(6.5, 5.0)
+def period_map(of: StudyResults, name: str) -> Figure:
+    """Map of how many different values a section has over two axes: one where the motion repeats
+    itself from one crossing to the next, two where it does so every other time, and so on."""
+    figure = make_figure(6.5, 5.0)
     axes = figure.add_subplot()
-    counts = distinct(of.numbers(name)[0])
+    counts = count_distinct(of.values_of(name)[0])
     known = of.status == FINISHED
     classes = ["none", *map(str, range(1, MOST_PERIOD + 1)), "more"]
     values = np.where(known, np.minimum(counts, MOST_PERIOD + 1), np.nan)
@@ -175,15 +183,15 @@ def periods(of: Results, name: str) -> Figure:
     norm = BoundaryNorm(np.arange(len(classes) + 1) - 0.5, len(classes))
     scale = norm, ListedColormap(colours)
     # Lines between whole numbers of no order would say nothing, and hide what is small.
-    _panel(axes, of, of.axes, values, of.status, scale, (), lines=False)
+    _draw_map(axes, of, of.axes, values, of.status, scale, (), lines=False)
     axes.set_title(f"{of.title}: different values of\n{name}", fontsize="medium")
-    _legend(figure, axes, of, name, scale, classes)
+    _add_legend(figure, axes, of, name, scale, classes)
     return figure
 
 
-def distinct(values: NDArray[np.float64]) -> NDArray[np.int_]:
-    """How many values of each point (..., crossings) are different, by more than a thousandth of
-    the range of all."""
+def count_distinct(values: NDArray[np.float64]) -> NDArray[np.int_]:
+    """Count the different values of each point (..., crossings): those apart by more than a
+    thousandth of the range of all."""
     found = values[np.isfinite(values)]
     low, high = np.quantile(found, OUTSIDE) if len(found) else (0.0, 0.0)
     least = SAME * (high - low)
@@ -194,8 +202,8 @@ def distinct(values: NDArray[np.float64]) -> NDArray[np.int_]:
     return np.array(counts).reshape(values.shape[:-1])
 
 
-def maps_of(of: Results, name: str) -> Figure:
-    """A number over three axes: a map of the two longer ones for values of the shortest."""
+def map_matrix(of: StudyResults, name: str) -> Figure:
+    """Maps of a number over three axes: over the two longer ones, for values of the shortest."""
     lengths = dict(zip(of.axes, of.status.shape, strict=True))
     panels_by = min(of.axes, key=lambda axis: lengths[axis])
     at = of.axes.index(panels_by)
@@ -203,18 +211,18 @@ def maps_of(of: Results, name: str) -> Figure:
     shown = np.unique(np.linspace(0, lengths[panels_by] - 1, MOST_PANELS).round().astype(int))
     columns = int(np.ceil(np.sqrt(len(shown))))
     rows = -(-len(shown) // columns)
-    figure = canvas(2.2 * columns + 1.4, 2.0 * rows + 0.8)
+    figure = make_figure(2.2 * columns + 1.4, 2.0 * rows + 0.8)
     panels = figure.subplots(rows, columns, sharex=True, sharey=True, squeeze=False)
-    values, classes = of.numbers(name)
-    scale = _scale(values, classes)
-    beside, texts = of.along(panels_by)
+    values, classes = of.values_of(name)
+    scale = _colour_scale(values, classes)
+    beside, texts = of.axis_values(panels_by)
     for number, axes in enumerate(panels.flat):
         if number >= len(shown):
             axes.set_visible(False)
             continue
         here = int(shown[number])
         part, status = (np.take(whole, here, axis=at) for whole in (values, of.status))
-        _panel(axes, of, others, part, status, scale, classes, lines=False)
+        _draw_map(axes, of, others, part, status, scale, classes, lines=False)
         value = texts[here] if texts else f"{beside[here]:.4g}"
         axes.set_title(f"{panels_by.rpartition('.')[2]} = {value}", fontsize="x-small")
         axes.tick_params(labelsize="x-small")
@@ -222,12 +230,14 @@ def maps_of(of: Results, name: str) -> Figure:
     figure.supxlabel(of.label(others[1]), fontsize="small")
     figure.supylabel(of.label(others[0]), fontsize="small")
     figure.suptitle(f"{of.title}: {name}", fontsize="medium")
-    _legend(figure, panels.ravel().tolist(), of, name, scale, classes)
+    _add_legend(figure, panels.ravel().tolist(), of, name, scale, classes)
     return figure
 
 
-def _scale(values: NDArray[np.float64], classes: Sequence[str]) -> tuple[Normalize, Colormap]:
-    """Colours of values, or of classes."""
+def _colour_scale(
+    values: NDArray[np.float64], classes: Sequence[str]
+) -> tuple[Normalize, Colormap]:
+    """Return the norm and the colours of values, or of classes."""
     if classes:
         colours = [SERIES[at % len(SERIES)] for at in range(len(classes))]
         norm = BoundaryNorm(np.arange(len(classes) + 1) - 0.5, len(classes))
@@ -239,9 +249,9 @@ def _scale(values: NDArray[np.float64], classes: Sequence[str]) -> tuple[Normali
     return Normalize(low, high if high > low else low + 1.0), colormaps[VALUES]
 
 
-def _panel(
+def _draw_map(
     axes: Axes,
-    of: Results,
+    of: StudyResults,
     names: Sequence[str],
     values: NDArray[np.float64],
     status: NDArray[Any],
@@ -249,12 +259,12 @@ def _panel(
     classes: Sequence[str],
     lines: bool,
 ) -> None:
-    """One map."""
-    (y, _), (x, _) = (of.along(name) for name in names)
+    """Draw one map."""
+    (y, _), (x, _) = (of.axis_values(name) for name in names)
     computed = status != ""
-    filled = _filled(values, computed)
+    filled = _fill_nearest(values, computed)
     axes.pcolormesh(
-        *(_edges(one) for one in (x, y)),
+        *(_cell_edges(one) for one in (x, y)),
         np.ma.masked_invalid(filled),
         norm=scale[0],
         cmap=scale[1],
@@ -280,8 +290,8 @@ def _panel(
     _set_axis(axes, of, names[0], "y")
 
 
-def _filled(values: NDArray[np.float64], computed: NDArray[np.bool_]) -> NDArray[np.float64]:
-    """Values with those of the nearest computed point where none is computed."""
+def _fill_nearest(values: NDArray[np.float64], computed: NDArray[np.bool_]) -> NDArray[np.float64]:
+    """Set points that are not computed to the value of the nearest computed one."""
     if computed.all() or not computed.any():
         return values
     from scipy.ndimage import distance_transform_edt
@@ -290,26 +300,26 @@ def _filled(values: NDArray[np.float64], computed: NDArray[np.bool_]) -> NDArray
     return np.asarray(values[tuple(nearest)])
 
 
-def _edges(values: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Borders between cells about values."""
+def _cell_edges(values: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return the borders between cells around values."""
     if len(values) < 2:
         return np.array([values[0] - 0.5, values[0] + 0.5])
-    logs = logarithmic(values)
+    logs = is_logarithmic(values)
     at = np.log(values) if logs else values
     middle = (at[1:] + at[:-1]) / 2
     made = np.concatenate(([2 * at[0] - middle[0]], middle, [2 * at[-1] - middle[-1]]))
     return np.exp(made) if logs else made
 
 
-def _legend(
+def _add_legend(
     figure: Figure,
     axes: Any,
-    of: Results,
+    of: StudyResults,
     name: str,
     scale: tuple[Normalize, Colormap],
     classes: Sequence[str],
 ) -> None:
-    """What colours and marks mean."""
+    """Add a legend of colours and marks, or a colour bar."""
     handles = [
         Line2D([], [], marker="s", linestyle="", color=scale[1](at), label=one)
         for at, one in enumerate(classes)
@@ -327,12 +337,12 @@ def _legend(
 # Samples ------------------------------------------------------------------------------------------
 
 
-def scatter_matrix(of: Results) -> Figure:
-    """Every number of a sample over every other, and how often each value is met."""
-    columns = [*_columns(of)]
+def scatter_matrix(of: StudyResults) -> Figure:
+    """Scatter matrix: every number over every other, histograms on the diagonal."""
+    columns = [*_scatter_columns(of)]
     lost = np.isin(of.status, NO_RESULT).ravel()
     count = len(columns)
-    figure = canvas(1.7 * count + 0.6, 1.7 * count + 0.6)
+    figure = make_figure(1.7 * count + 0.6, 1.7 * count + 0.6)
     panels = figure.subplots(count, count, squeeze=False)
     size = float(np.clip(60 / np.sqrt(max(1, of.status.size)), 0.5, 3.0))
     for row, (y_name, y, y_varied) in enumerate(columns):
@@ -352,32 +362,32 @@ def scatter_matrix(of: Results) -> Figure:
                 if x_varied and y_varied:
                     axes.plot(x[lost], y[lost], "x", color=SPECIAL, markersize=2 * size)
             if row == count - 1:
-                axes.set_xlabel(_short(of, x_name), fontsize="x-small")
+                axes.set_xlabel(_short_label(of, x_name), fontsize="x-small")
             if column == 0:
-                axes.set_ylabel(_short(of, y_name), fontsize="x-small")
+                axes.set_ylabel(_short_label(of, y_name), fontsize="x-small")
     failed = f", {lost.sum()} of {lost.size} failed (red)" if lost.any() else ""
     figure.suptitle(f"{of.title}: {lost.size} points{failed}", fontsize="medium")
     return figure
 
 
-def _columns(of: Results) -> Iterator[tuple[str, NDArray[np.float64], bool]]:
-    """Names and values of what is varied, and of the numbers that are kept."""
+def _scatter_columns(of: StudyResults) -> Iterator[tuple[str, NDArray[np.float64], bool]]:
+    """Yield name and values of varied keys and of kept numbers, and whether each is varied."""
     for name in of.axes[:COLUMNS]:
-        values, _ = of.along(name)
-        if not of.sampled:
+        values, _ = of.axis_values(name)
+        if not of.is_sample:
             values = np.broadcast_to(
                 values.reshape([-1 if one == name else 1 for one in of.axes]), of.status.shape
             )
         yield name, values.ravel(), True
     left = COLUMNS
     for name in of.kept:
-        if not of.beyond(name) and left:
+        if not of.inner_dims(name) and left:
             left -= 1
-            yield name, of.numbers(name)[0].ravel(), False
+            yield name, of.values_of(name)[0].ravel(), False
 
 
-def _short(of: Results, name: str) -> str:
-    """A label that fits a small panel."""
+def _short_label(of: StudyResults, name: str) -> str:
+    """Return a label that fits a small panel."""
     label = of.label(name)
     if name not in of.axes or label != name:
         return label

@@ -1,4 +1,4 @@
-"""What a study has given, as its pictures ask for it."""
+"""Results of a study as its pictures need them."""
 
 from __future__ import annotations
 
@@ -10,9 +10,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from rodgen.integrate.endings import FINISHED
+from rodgen.integrate.run_status import FINISHED
 from rodgen.model.terms import axis_label
-from rodgen.studies.variable import ALWAYS, METHOD
+from rodgen.studies.study_variable import ALWAYS, METHOD
 
 EVEN = 1e-6  # of the spacing in which an axis is linear or logarithmic
 BESIDE = {one.name for one in (*ALWAYS, METHOD)}  # what a study keeps without being asked
@@ -21,15 +21,15 @@ NAMES = {"stable": {1: "stable", 0: "unstable", -1: "not known"}}
 
 
 @dataclass(frozen=True)
-class Results:
-    """What a study has given, as pictures ask for it."""
+class StudyResults:
+    """Results of a study as its pictures need them."""
 
     dataset: Any
 
     @classmethod
-    def thinned(cls, dataset: Any) -> Results:
-        """With every other point, or every fourth, along its longest axes, where there are more
-        than a picture can show; the title then says which."""
+    def subsample(cls, dataset: Any) -> StudyResults:
+        """Leave out every other point, or three of four, along the longest axes where there are
+        more than a picture can show; the title then says so."""
         steps = {str(dim): 1 for dim in dataset["status"].dims}
         sizes = {dim: int(dataset.sizes[dim]) for dim in steps}
         while math.prod(sizes.values()) > MOST_SHOWN:
@@ -43,13 +43,13 @@ class Results:
         return cls(shown.assign_attrs(name=f"{cls(dataset).title}: one point of {of}").load())
 
     @cached_property
-    def sampled(self) -> bool:
+    def is_sample(self) -> bool:
         """Whether its points are a sample."""
-        return tuple(self.dataset["status"].dims) == ("point",) and "point" not in self.varied
+        return tuple(self.dataset["status"].dims) == ("point",) and "point" not in self.varied_keys
 
     @cached_property
-    def varied(self) -> tuple[str, ...]:
-        """Names of what is varied."""
+    def varied_keys(self) -> tuple[str, ...]:
+        """Names of the varied keys."""
         dims = tuple(map(str, self.dataset["status"].dims))
         if dims != ("point",) or _is_grid(self.dataset):
             return dims
@@ -57,48 +57,48 @@ class Results:
 
     @property
     def axes(self) -> tuple[str, ...]:
-        """Names of what is varied, each with its values."""
-        return self.varied
+        """Names of the varied keys, each with its values."""
+        return self.varied_keys
 
     @cached_property
     def kept(self) -> list[str]:
-        """Names of what is kept, numbers of every point not among them."""
+        """Names of the kept quantities, without the variables that every study has."""
         return [str(name) for name in self.dataset.data_vars if name not in BESIDE]
 
     @property
     def title(self) -> str:
-        """What the study is called."""
+        """Name of the study."""
         return str(self.dataset.attrs.get("name", "study"))
 
-    def beyond(self, name: str) -> tuple[str, ...]:
-        """Dimensions of a variable beside those of the points."""
+    def inner_dims(self, name: str) -> tuple[str, ...]:
+        """Return the dimensions of a variable beside those of the points."""
         return tuple(str(d) for d in self.dataset[name].dims[self.status.ndim :])
 
     def is_section(self, name: str) -> bool:
         """Whether a variable has a value for every crossing."""
-        return any(dim.startswith("crossing") for dim in self.beyond(name))
+        return any(dim.startswith("crossing") for dim in self.inner_dims(name))
 
     @cached_property
     def status(self) -> NDArray[Any]:
-        """Of all points."""
+        """Status of every point, as text."""
         # Text of any length, as stores that are read piece by piece have it, is made plain first.
         return np.asarray(self.dataset["status"].values).astype(object).astype(str)
 
     def label(self, name: str) -> str:
-        """A name with its unit."""
+        """Return a name with its unit."""
         units = self.dataset[name].attrs.get("units", "") if name in self.dataset else ""
         return f"{name} [{units}]" if units else axis_label(name)
 
-    def along(self, name: str) -> tuple[NDArray[np.float64], list[str]]:
-        """Values of an axis, as numbers, and their labels where they are text."""
+    def axis_values(self, name: str) -> tuple[NDArray[np.float64], list[str]]:
+        """Return the values of an axis, as numbers, and their labels where they are text."""
         values = np.asarray(self.dataset[name].values)
         if values.dtype.kind in "iuf":
             return values.astype(float), []
         return np.arange(len(values), dtype=float), [str(value) for value in values]
 
-    def numbers(self, name: str) -> tuple[NDArray[np.float64], list[str]]:
-        """A variable of all points, not-a-number where it was not found; and of one that is whole
-        numbers or text, its classes, which the numbers count."""
+    def values_of(self, name: str) -> tuple[NDArray[np.float64], list[str]]:
+        """Return a variable at all points, not-a-number where they did not finish; and the classes
+        of text and of named whole numbers, in which case the numbers count them."""
         values = np.asarray(self.dataset[name].values)
         there = self.status == FINISHED
         there = there.reshape(there.shape + (1,) * (values.ndim - there.ndim))
@@ -128,8 +128,8 @@ def _is_grid(dataset: Any) -> bool:
     )
 
 
-def logarithmic(values: NDArray[np.float64]) -> bool:
-    """Whether values lie evenly in the logarithm alone."""
+def is_logarithmic(values: NDArray[np.float64]) -> bool:
+    """Whether values are evenly spaced in their logarithm alone."""
     if len(values) < 3 or not (values > 0).all():
         return False
     steps, plain = np.diff(np.log(values)), np.diff(values)

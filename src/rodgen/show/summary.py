@@ -1,24 +1,24 @@
-"""What came out of a run, in plain words."""
+"""Summary of a run in plain words."""
 
 from __future__ import annotations
 
 import numpy as np
 
 from rodgen.integrate import Solution
-from rodgen.integrate.error_growth import visible
+from rodgen.integrate.error_growth import visible_error
 from rodgen.integrate.trajectory import ErrorGrowth
-from rodgen.model.terms import words_of
+from rodgen.model.terms import describe
 from rodgen.result import DOUBT, ResultTable
 from rodgen.scene import Scene
-from rodgen.scene.contents import in_words
-from rodgen.scene.grammar import in_brief
+from rodgen.scene.grammar import abbreviate
+from rodgen.scene.model_contents import describe_loads
 
 SHOWN = 10  # events
 ROUNDING = 1e-9  # of the largest energy: what changes by less has not changed
 
 
 def summary(solution: Solution, without_c: str = "") -> str:
-    """Some lines of text: the scene, the run, the motion, and how well energy balances.
+    """Return some lines of text: the scene, the run, the motion, and how well energy balances.
 
     without_c: why the C module could not be used, if that is so.
     """
@@ -35,16 +35,16 @@ def summary(solution: Solution, without_c: str = "") -> str:
     return "\n".join(lines) + "\n"
 
 
-def of_scene(scene: Scene) -> ResultTable:
+def scene_table(scene: Scene) -> ResultTable:
     """Return a table of the rod, what acts on it, and how it is integrated."""
     rod, settings = scene.rod, scene.integrate
     rows = {
         "rod": f"{rod.boundary}, {rod.links} links, {rod.inertia} inertia",
         "length": f"{rod.length:g} m",
         "mass": f"{scene.mass:g} kg",
-        "EI": f"{along_in_words(rod.bending_stiffness)} N m^2",
+        "EI": f"{describe_along(rod.bending_stiffness)} N m^2",
         "bodies": ", ".join(body.name for body in scene.bodies),
-        "loads": ", ".join(in_words(scene)),
+        "loads": ", ".join(describe_loads(scene)),
         "span": f"{settings.span[0]:g} to {settings.span[1]:g} s, by {settings.method}",
         "events": ", ".join(event.name for event in scene.events),
     }
@@ -54,23 +54,23 @@ def of_scene(scene: Scene) -> ResultTable:
 def _scene(solution: Solution) -> str:
     scene = solution.scene
     links = f"{scene.rod.links} link{'s' * (scene.rod.links > 1)}"
-    masses = zip(scene.bodies, scene.distribution.body_mass, strict=True)
+    masses = zip(scene.bodies, scene.distribution.body_masses, strict=True)
     named = ", ".join(f"{body.name} {mass:g} kg" for body, mass in masses)
     bodies = f" ({named})" if named else ""
-    law = f", springs of the moment {along_in_words(scene.rod.spring)}" if scene.spring_law else ""
-    terms = ", ".join(in_words(scene)) or "no loads"
+    law = f", springs of the moment {describe_along(scene.rod.spring)}" if scene.spring_law else ""
+    terms = ", ".join(describe_loads(scene)) or "no loads"
     return (
         f"{scene.name}: {scene.rod.boundary} rod of {links}, "
         f"{scene.rod.length:g} m, {scene.mass:g} kg{bodies}, "
-        f"EI = {along_in_words(scene.rod.bending_stiffness)} N m^2{law}; {terms}."
+        f"EI = {describe_along(scene.rod.bending_stiffness)} N m^2{law}; {terms}."
     )
 
 
-def along_in_words(value: float | list[float] | str | None) -> str:
-    """A number, an expression in s, or what values along the rod range over."""
+def describe_along(value: float | list[float] | str | None) -> str:
+    """Describe a number, an expression in s, or the range of values along the rod."""
     if isinstance(value, list):
         return f"{min(value):g} to {max(value):g}"
-    return in_brief(value) if isinstance(value, str) else f"{value or 0.0:g}"
+    return abbreviate(value) if isinstance(value, str) else f"{value or 0.0:g}"
 
 
 def _run(solution: Solution) -> str:
@@ -78,7 +78,7 @@ def _run(solution: Solution) -> str:
     how = solution.message[:1].upper() + solution.message[1:] or "Finished"
     rejected = "" if stats.rejected is None else f" ({stats.rejected} rejected)"
     tolerances = f"rtol {settings.rtol:g}, atol {settings.atol:g}"
-    accuracy = f"step {settings.step:g} s" if settings.fixed else tolerances
+    accuracy = f"step {settings.step:g} s" if settings.has_fixed_step else tolerances
     target = f", target {stats.target}," if stats.target else ""
     seconds = np.diff(solution.t).sum()  # there may be no samples, where t_eval begins late
     return (
@@ -120,9 +120,9 @@ def _energy(solution: Solution) -> list[str]:
     total, error = solution.energy.total, solution.energy_error
     largest = float(max(np.abs(part).max() for part in solution.energy))
     rounding = ROUNDING * largest
-    lines = [_course(total, rounding)]
+    lines = [_energy_change(total, rounding)]
     if solution.work:
-        parts = ", ".join(f"{words_of(t)} {w[-1]:.6g} J" for t, w in solution.work.items())
+        parts = ", ".join(f"{describe(t)} {w[-1]:.6g} J" for t, w in solution.work.items())
         lines.append(f"Work done on the rod: {parts}.")
     moved = [np.ptp(part) for part in solution.energy] + [np.ptp(w) for w in solution.work.values()]
     scale, what = float(max(moved)), "exchange"
@@ -134,7 +134,7 @@ def _energy(solution: Solution) -> list[str]:
 
 
 def _errors(solution: Solution, errors: ErrorGrowth) -> str:
-    """How much small errors grow, and from when on those at the tolerance may be seen."""
+    """Describe how much small errors grow, and from when on those at the tolerance may be seen."""
     if np.isnan(errors.factor):
         return "How fast errors grow is not known: a motion beside that of the run failed."
     times = f"{errors.factor:.1e}" if errors.factor < np.inf else "more than 1e308"
@@ -144,14 +144,16 @@ def _errors(solution: Solution, errors: ErrorGrowth) -> str:
     if errors.visible < np.inf:
         return (
             f"{words}, tenfold in {errors.tenfold:.2g} s on average: {rtol} may be visible "
-            f"({visible(tolerance):g} rad) from t = {errors.visible:.3g} s on. Angles after that "
-            "are not to be trusted; energies and means may be."
+            f"({visible_error(tolerance):g} rad) from t = {errors.visible:.3g} s on. Angles after "
+            "that are not to be trusted; energies and means may be."
         )
-    return f"{words}." if solution.scene.integrate.fixed else f"{words}: {rtol} stays small."
+    return (
+        f"{words}." if solution.scene.integrate.has_fixed_step else f"{words}: {rtol} stays small."
+    )
 
 
-def _course(total: np.ndarray, rounding: float) -> str:
-    """How the energy [J], (T,), went; rounding: change that is none [J]."""
+def _energy_change(total: np.ndarray, rounding: float) -> str:
+    """Describe the change of the energy [J], (T,); rounding: a smaller change is none [J]."""
     start, end = total[[0, -1]]
     change = np.ptp(total)
     if change == 0 or change < rounding:

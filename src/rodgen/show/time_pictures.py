@@ -1,5 +1,5 @@
-"""Pictures of a run over its time: the tail with its spectrum, bending moments along the rod; and
-what is said of a scene on the axes of such pictures: when forces act that end, and events."""
+"""Pictures of a run over time: the tail with its spectrum, bending moments along the rod; and marks
+on the time axis: when forces act that do not always act, and events."""
 
 from __future__ import annotations
 
@@ -10,13 +10,13 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
-from rodgen.analyse.fourier import amplitudes_of
+from rodgen.analyse.spectrum import amplitude_spectrum
 from rodgen.arrays import Array
 from rodgen.integrate import Solution
 from rodgen.model.rod import CLAMP_ANGLE
 from rodgen.model.term import FORCE, SPREAD, Term
 from rodgen.model.terms import TERMS
-from rodgen.show.canvas import CURVE, FAINT, MOMENTS, canvas
+from rodgen.show.canvas import CURVE, FAINT, MOMENTS, make_figure
 
 WINDOW = "hann"
 SHORTEST = 16  # samples of a spectrum
@@ -25,22 +25,22 @@ EVEN = 1e-6  # of the time between samples, by which it may differ
 NAMED = 12  # events with names
 
 
-def tail(solution: Solution) -> Figure:
-    """The tail across the start of the rod over time, and below it the spectrum of that."""
-    figure = canvas(6.4, 5.6)
+def tail_history(solution: Solution) -> Figure:
+    """Distance of the tail from the line of the rod's start over time, and its spectrum below."""
+    figure = make_figure(6.4, 5.6)
     above, below = figure.subplots(2, 1)
-    signal = across(solution)
+    signal = tail_deflection(solution)
     above.plot(solution.t, signal, color=CURVE, linewidth=0.8)
-    start = "clamp" if solution.scene.hold.clamped else "first link"
+    start = "clamp" if solution.scene.boundary_condition.is_clamped else "first link"
     above.set(
         xlabel="t [s]",
         ylabel=f"tail across the {start} [m]",
         title=f"{solution.scene.name}: tail",
     )
     mark_times(above, solution)
-    even, steps = _even(solution)
+    even, steps = _uniform_samples(solution)
     if len(even) >= SHORTEST and np.ptp(signal) > 0:
-        found = amplitudes_of(signal[even][:, None], WINDOW)
+        found = amplitude_spectrum(signal[even][:, None], WINDOW)
         frequencies = np.fft.rfftfreq(len(even), steps)
         below.semilogy(frequencies[1:], found[1:], color=CURVE, linewidth=0.8)
         below.set(xlabel=f"frequency [Hz], {WINDOW.capitalize()} window", ylabel="amplitude [m]")
@@ -52,19 +52,23 @@ def tail(solution: Solution) -> Figure:
     return figure
 
 
-def across(solution: Solution) -> Array:
-    """How far the tail is from the line of the rod's start, to its left [m], (T,): that of the
-    clamp, or of the first link."""
+def tail_deflection(solution: Solution) -> Array:
+    """Return the distance of the tail from the line of the rod's start, positive to its left [m],
+    (T,): of the clamp, or of the first link."""
     scene, joints = solution.scene, solution.joints
     clamp = getattr(scene.rod, CLAMP_ANGLE.key) or 0.0
-    angle = np.full(len(solution.t), clamp) if scene.hold.clamped else solution.phi[:, 0]
+    angle = (
+        np.full(len(solution.t), clamp)
+        if scene.boundary_condition.is_clamped
+        else solution.phi[:, 0]
+    )
     dx, dy = (joints[:, -1] - joints[:, 0]).T
     found: Array = dy * np.cos(angle) - dx * np.sin(angle)
     return found
 
 
-def _even(solution: Solution) -> tuple[NDArray[np.int64], float]:
-    """The first samples that are equally far apart, and how far [s]."""
+def _uniform_samples(solution: Solution) -> tuple[NDArray[np.int64], float]:
+    """Return the first samples at equal intervals, by number, and the interval [s]."""
     steps = np.diff(solution.t)
     if not len(steps):
         return np.arange(len(solution.t)), 1.0
@@ -72,14 +76,14 @@ def _even(solution: Solution) -> tuple[NDArray[np.int64], float]:
     return np.arange(int(other[0]) + 1 if len(other) else len(solution.t)), float(steps[0])
 
 
-def moments(solution: Solution) -> Figure:
-    """The bending moment over time and along the rod."""
-    figure = canvas(6.4, 4.4)
+def moment_map(solution: Solution) -> Figure:
+    """Bending moment over time and along the rod."""
+    figure = make_figure(6.4, 4.4)
     axes = figure.add_subplot()
     kept = np.unique(np.linspace(0, len(solution.t) - 1, COLUMNS).round().astype(int))
     found = solution.bending_moments[kept]
     axes.set_title(f"{solution.scene.name}: bending moment")
-    if not bends(solution):
+    if not has_bending(solution):
         axes.text(0.5, 0.5, "none anywhere, at any time", ha="center", va="center")
         axes.set_axis_off()
         return figure
@@ -105,14 +109,14 @@ def moments(solution: Solution) -> Figure:
     return figure
 
 
-def bends(solution: Solution) -> bool:
-    """Whether there is a bending moment at all: a chain has none."""
+def has_bending(solution: Solution) -> bool:
+    """Whether there is any bending moment: a chain has none."""
     return bool(solution.bending_moments.any())
 
 
 def mark_times(axes: Axes, solution: Solution) -> None:
-    """Say on an axis of time when forces act that do not always, and when events happened."""
-    for term, start, end in acting(solution):
+    """Mark on a time axis when forces act that do not always act, and when events happened."""
+    for term, start, end in force_intervals(solution):
         colour = term.colours[0]
         axes.axvspan(start, end, ymax=0.03, color=colour, alpha=0.7, linewidth=0)
         axes.annotate(
@@ -137,8 +141,8 @@ def mark_times(axes: Axes, solution: Solution) -> None:
         )
 
 
-def acting(solution: Solution) -> Iterator[tuple[Term, float, float]]:
-    """Forces that act for some of the time, each time from when to when [s]."""
+def force_intervals(solution: Solution) -> Iterator[tuple[Term, float, float]]:
+    """Yield the forces that act for some of the time, with start and end of each interval [s]."""
     for name in solution.scene.loads.terms:
         term = TERMS[name]
         if term.kind not in (FORCE, SPREAD):

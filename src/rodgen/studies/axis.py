@@ -1,4 +1,4 @@
-"""What a study varies: keys of its scene, each with its values or its range."""
+"""Axes of a study: varied keys of its scene, each with its values or its range; and samples."""
 
 from __future__ import annotations
 
@@ -13,9 +13,9 @@ import numpy as np
 from pydantic import Field, ValidationError
 
 from rodgen.errors import InputError
-from rodgen.scene.plain import is_number
+from rodgen.scene.plain_tables import is_number
 from rodgen.scene.tables import Finite, Table
-from rodgen.scene.validation import explain
+from rodgen.scene.validation import to_input_error
 
 Value = float | int | str
 LINEAR, LOG = "linear", "log"
@@ -31,10 +31,10 @@ WHOLE = ("rod.links", "integrate.max_steps")  # keys of whole numbers
 
 @dataclass(frozen=True)
 class Axis:
-    """A key of the scene and its values, in order; of a sample that draws from a range, the range.
+    """A varied key of the scene with its values in order or, for a sample, the range it draws from.
 
-    values: plain numbers or text, none where a range is drawn from; low, high: its ends; scale:
-    "linear" or "log", by which values lie between them.
+    values: plain numbers or text, none for a range; low, high: ends of the range; scale: "linear"
+    or "log", the spacing of values between them.
     """
 
     name: str
@@ -45,18 +45,18 @@ class Axis:
 
     @property
     def contents(self) -> list[str | int]:
-        """What it consists of: equal for equal axes, and short, however many values there are."""
+        """Short list that identifies the axis, equal for equal axes, whatever its length."""
         values = np.array(self.values)
         digest = hashlib.sha256(values.dtype.str.encode() + values.tobytes()).hexdigest()
         return [self.name, len(self.values), digest, str(self.low), str(self.high), self.scale]
 
     @property
-    def ends(self) -> tuple[Value, Value]:
-        """Its first and last value, or those of its range."""
+    def bounds(self) -> tuple[Value, Value]:
+        """First and last value, or both ends of the range."""
         return (self.values[0], self.values[-1]) if len(self.values) else (self.low, self.high)
 
-    def drawn(self, share: float) -> Value:
-        """The value that a share, from 0 to below 1, of the range or of the list stands for."""
+    def value_at(self, share: float) -> Value:
+        """Return the value at a share, from 0 to below 1, of the range or of the list."""
         if self.values:
             return self.values[int(share * len(self.values))]
         if self.name in WHOLE:
@@ -67,7 +67,7 @@ class Axis:
 
 
 class Range(Table):
-    """Values between two ends, so many of them in a grid; or a list of values."""
+    """Table of a varied key: bounds and how many values lie between them; or a list of values."""
 
     bounds: Annotated[list[Finite], Field(min_length=2, max_length=2)] | None = Field(
         None, description="the first and the last value"
@@ -81,9 +81,9 @@ class Range(Table):
     )
 
 
-def axis(name: str, table: Any, drawn: bool) -> Axis:
-    """An axis from its table, or from a list of its values; drawn: a sample draws from it. Raises
-    InputError for what is none."""
+def read_axis(name: str, table: Any, drawn: bool) -> Axis:
+    """Make an axis of its table, or of a list of its values; drawn: a sample draws from it. Raises
+    InputError."""
     field = f"vary.{name}"
     if isinstance(table, list):
         table = {"values": table}
@@ -93,16 +93,16 @@ def axis(name: str, table: Any, drawn: bool) -> Axis:
     try:
         read = Range.model_validate(table)
     except ValidationError as error:
-        found = explain(error, table, Range)
+        found = to_input_error(error, table, Range)
         raise InputError(f"{field}.{found.field}", found.value, found.allowed) from None
     if read.values is not None:
-        return _listed(name, field, read)
+        return _axis_from_list(name, field, read)
     if read.bounds is None:
         raise InputError(f"{field}.bounds", None, "two numbers, or values given instead")
-    return _ranged(name, field, read, drawn)
+    return _axis_from_range(name, field, read, drawn)
 
 
-def _listed(name: str, field: str, read: Range) -> Axis:
+def _axis_from_list(name: str, field: str, read: Range) -> Axis:
     values = read.values or []
     for key, beside in (("bounds", read.bounds), ("count", read.count)):
         if beside is not None:
@@ -116,10 +116,10 @@ def _listed(name: str, field: str, read: Range) -> Axis:
         raise InputError(f"{field}.values", values, "either all numbers or all text")
     if len(set(values)) < len(values):
         raise InputError(f"{field}.values", values, "values that are all different")
-    return Axis(name, _compact([_whole(name, field, value) for value in values]))
+    return Axis(name, _pack([_convert(name, field, value) for value in values]))
 
 
-def _ranged(name: str, field: str, read: Range, drawn: bool) -> Axis:
+def _axis_from_range(name: str, field: str, read: Range, drawn: bool) -> Axis:
     assert read.bounds is not None
     low, high = read.bounds
     if read.scale not in SCALES:
@@ -131,7 +131,7 @@ def _ranged(name: str, field: str, read: Range, drawn: bool) -> Axis:
             raise InputError(f"{field}.count", read.count, "absent: sample.count says how many")
         if not low < high:
             raise InputError(f"{field}.bounds", [low, high], f"[a, b] with b above {low:g}")
-        low, high = (float(_whole(name, field, end)) for end in (low, high))
+        low, high = (float(_convert(name, field, end)) for end in (low, high))
         return Axis(name, (), low, high, read.scale)
     if read.count is None:
         raise InputError(f"{field}.count", None, "a whole number, or values given instead")
@@ -139,18 +139,18 @@ def _ranged(name: str, field: str, read: Range, drawn: bool) -> Axis:
         raise InputError(f"{field}.bounds", [low, high], f"[a, b] with b other than {low:g}")
     spaced = np.geomspace if read.scale == LOG else np.linspace
     values = spaced(low, high, read.count).tolist()
-    whole = _compact([_whole(name, field, value) for value in values])
+    whole = _pack([_convert(name, field, value) for value in values])
     return Axis(name, whole, low, high, read.scale)
 
 
-def _compact(values: list[Value]) -> Sequence[Value]:
-    """The values; as plain numbers a million of them would take four times the memory."""
+def _pack(values: list[Value]) -> Sequence[Value]:
+    """Pack numbers into an array, which takes a quarter of the memory of a tuple."""
     numbers = [one for one in values if isinstance(one, float)]
     return array("d", numbers) if len(numbers) == len(values) else tuple(values)
 
 
-def _whole(name: str, field: str, value: Any) -> Value:
-    """The value as the key takes it. Raises InputError for a part of a link."""
+def _convert(name: str, field: str, value: Any) -> Value:
+    """Convert a value to the type of its key. Raises InputError for a part of a link."""
     if name not in WHOLE or isinstance(value, int):
         return value if isinstance(value, str | int) else float(value)
     if isinstance(value, str) or not value.is_integer():
@@ -160,7 +160,7 @@ def _whole(name: str, field: str, value: Any) -> Value:
 
 
 class Sample(Table):
-    """How points are drawn: by what method, how many, and from which seed."""
+    """Table of a sample: the method by which points are drawn, how many, and the seed."""
 
     method: str = Field(description="`sobol`, `latin_hypercube` or `random`")
     count: Annotated[int, Field(gt=0)] = Field(description="how many points are drawn")
@@ -168,13 +168,13 @@ class Sample(Table):
 
     @classmethod
     def read(cls, table: Any) -> Self:
-        """A sample from its table. Raises InputError."""
+        """Read a sample from its table. Raises InputError."""
         if not isinstance(table, dict):
             raise InputError("sample", table, "a table {method, count, seed}")
         try:
             made = cls.model_validate(table)
         except ValidationError as error:
-            found = explain(error, table, cls)
+            found = to_input_error(error, table, cls)
             raise InputError(f"sample.{found.field}", found.value, found.allowed) from None
         if made.method not in SAMPLED:
             raise InputError("sample.method", made.method, f"one of {', '.join(SAMPLED)}")

@@ -1,10 +1,10 @@
-"""Workers of a study: a Dask cluster of processes that is started and closed, or one that is there.
+"""Workers of a study on a Dask cluster, which is started and closed here, or exists already.
 
 Whoever may talk to Dask may have it run Python, and every user of a machine may talk to its ports:
 processes that are started here talk to holders of a certificate alone, which is made for the run.
 
-What Dask reports of tasks is not believed: a block is done where the store has its mark. What Dask
-is asked for is small: to hold two tasks for every worker, and to say when one is over.
+Dask's reports on tasks are not trusted: a block is done where the store has its mark. Dask has to
+do little: to hold two tasks for every worker, and to say when one is over.
 """
 
 from __future__ import annotations
@@ -32,23 +32,23 @@ from distributed.comm import CommClosedError
 from rodgen.errors import InputError, StudyError
 from rodgen.native.library import DeferredInterrupt
 from rodgen.studies import task
-from rodgen.studies.store import Store
+from rodgen.studies.store import StudyStore
 from rodgen.studies.tracker import outlive_tracker
-from rodgen.studies.worker import (
+from rodgen.studies.worker_tasks import (
     SAFE,
     SAFE_PATH,
-    Context,
     Indices,
+    StudyContext,
     Texts,
     check_worker,
-    compute,
-    compute_alone,
-    end_safe_path,
-    of_client,
-    piece,
-    piece_alone,
-    timed,
-    who,
+    client_versions,
+    compute_block,
+    compute_block_in_process,
+    compute_piece,
+    compute_piece_in_process,
+    time_point,
+    unset_safe_path,
+    versions,
 )
 
 if TYPE_CHECKING:
@@ -63,10 +63,10 @@ PATIENCE = {True: 180.0, False: 600.0}  # seconds without any worker: of our own
 ENOUGH_DEATHS = 1  # of workers of a task, after which it runs apart from them
 FETCHED = 60.0  # seconds in which a worker hands over what it found
 ENDED = 2.0  # seconds in which a worker of our own ends, in the last fifth by force
-BLOCK = 1.0  # seconds
-LONGEST = 300.0  # seconds after which nobody waits to know how long a point takes
+BLOCK = 1.0  # seconds that count for a point which kills its worker
+LONGEST = 300.0  # seconds that the timing of a point may take
 STARTS = 6  # of workers of our own, and of telling them of a study
-MOST_LOST = 10  # tasks of a block alone that are lost
+MOST_LOST = 10  # tasks of one block that may be lost
 # What a cluster of our own is started with. A busy machine answers late; workers hold nothing that
 # could be spilled, and one that is paused would never go on; tasks are not worth being stolen.
 SETTINGS: dict[str, Any] = {
@@ -92,8 +92,8 @@ LOUD = ("distributed", "tornado", "asyncio")
 
 
 @dataclass
-class _Work:
-    """What is computed in one task: how often its worker was killed."""
+class _Task:
+    """One task: what it computes, its number, and how often its worker was killed."""
 
     what: Any
     number: int
@@ -102,8 +102,8 @@ class _Work:
 
 @dataclass
 class Cluster:
-    """Workers that compute blocks; address: of a scheduler that is there, else so many workers are
-    started here. A context manager."""
+    """Context manager of workers that compute blocks. address: of an existing scheduler; without
+    it, so many workers are started here."""
 
     workers: int
     address: str | None = None
@@ -117,13 +117,13 @@ class Cluster:
 
     def __enter__(self) -> Self:
         with ExitStack() as stack:
-            stack.enter_context(_quiet())
-            stack.enter_context(_as_no_script())
+            stack.enter_context(_silence_dask())
+            stack.enter_context(_hide_main_script())
             stack.enter_context(dask.config.set(SETTINGS))
-            self.client = stack.enter_context(self._connected())
+            self.client = stack.enter_context(self._connect())
             self._seen = self._whole = monotonic()
             while True:
-                self._watch(wait=True)
+                self._count_workers(wait=True)
                 if self._threads:
                     break
                 sleep(TICK)
@@ -135,10 +135,10 @@ class Cluster:
         return self._stack.__exit__(*of)
 
     @contextmanager
-    def _connected(self) -> Iterator[distributed.Client]:
-        """A client, of a cluster of its own unless there is an address."""
+    def _connect(self) -> Iterator[distributed.Client]:
+        """Connect a client to the scheduler at the address, or to a cluster started here."""
         if self.address is not None:
-            client = _client(self.address)
+            client = _connect_client(self.address)
             self.said(f"dashboard: {client.dashboard_link}")
             try:
                 yield client
@@ -146,63 +146,64 @@ class Cluster:
                 client.close(timeout=5)
             return
         with ExitStack() as stack:
-            stack.enter_context(_own_folder())
-            with DeferredInterrupt(), _unheard():  # one that starts cannot be closed
-                self._cluster = cluster = _started(self.workers)
+            stack.enter_context(_private_folder())
+            with DeferredInterrupt(), _block_signals():  # one that starts cannot be closed
+                self._cluster = cluster = _start_cluster(self.workers)
                 stack.callback(cluster.close, timeout=20)
             yield stack.enter_context(distributed.Client(cluster, timeout="60s"))
 
     @property
     def count(self) -> int:
-        """How many blocks are computed at once: by all that there are to be of our own, by all
-        that are there of others."""
+        """Number of blocks that are computed at once: by all workers to be started here, or by
+        those that an existing scheduler has."""
         return self.workers if self._cluster is not None else self._threads
 
     def _check_workers(self) -> None:
         """Raise InputError for workers that would give other results."""
         if self._cluster is not None:
             return
-        for worker, found in self.client.run(who, on_error="return").items():
+        for worker, found in self.client.run(versions, on_error="return").items():
             if not isinstance(found, OSError):  # one that died meanwhile is no worker any more
-                check_worker(worker, found, of_client())
+                check_worker(worker, found, client_versions())
 
-    def timed(self, study: Study) -> tuple[float, Texts]:
-        """Time that a point takes [s] and generated texts, as a worker finds them; where points
-        kill their worker or take long, as long as a block, and no texts."""
-        future = self.client.submit(timed, study, pure=False)
+    def time_point(self, study: Study) -> tuple[float, Texts]:
+        """Measure the time of a point [s] on a worker; returns it with generated texts. Points that
+        kill their worker count as a block, those that take long as LONGEST, both without texts."""
+        future = self.client.submit(time_point, study, pure=False)
         events: queue.SimpleQueue[Any] = queue.SimpleQueue()
         future.add_done_callback(events.put)
         try:
-            if self._next(events, LONGEST) is None:
+            if self._wait_next(events, LONGEST) is None:
                 return LONGEST, {}
-            found: tuple[float, Texts] = self._found(future) or (BLOCK, {})
+            found: tuple[float, Texts] = self._result_of(future) or (BLOCK, {})
             return found
         finally:
             future.release()
 
-    def compute(self, store: Store, blocks: Iterator[int], texts: Texts) -> Iterator[task.Done]:
-        """Compute blocks, in whatever order they come to an end. Raises StudyError where that
-        cannot be gone on with, InputError for workers that cannot be used."""
-        yield from self._each(store, blocks, texts, compute, compute_alone)
+    def compute_blocks(
+        self, store: StudyStore, blocks: Iterator[int], texts: Texts
+    ) -> Iterator[task.BlockOutcome]:
+        """Compute blocks, in whatever order they are done. Raises StudyError where the study cannot
+        go on, InputError for workers that cannot be used."""
+        yield from self._run_tasks(store, blocks, texts, compute_block, compute_block_in_process)
 
-    def pieces(
-        self, store: Store, pieces: Iterator[Indices], texts: Texts
+    def compute_points(
+        self, store: StudyStore, pieces: Iterator[Indices], texts: Texts
     ) -> Iterator[tuple[Indices, task.Arrays]]:
-        """Compute points that are no blocks; what comes out is not written. Raises what `compute`
-        raises."""
-        yield from self._each(store, pieces, texts, piece, piece_alone)
+        """Compute points that are no blocks, without writing them. Raises as `compute_blocks`."""
+        yield from self._run_tasks(store, pieces, texts, compute_piece, compute_piece_in_process)
 
-    def _each(
-        self, store: Store, wanted: Iterator[Any], texts: Texts, *ways: Callable[..., Any]
+    def _run_tasks(
+        self, store: StudyStore, wanted: Iterator[Any], texts: Texts, *ways: Callable[..., Any]
     ) -> Iterator[Any]:
-        """What comes out of tasks; ways: how it is computed first, and how where that killed the
-        worker."""
-        context = Context(store, texts, self._cluster is not None)
+        """Compute every block or piece in a task, and yield the results. ways: the function of a
+        task, and that of a task whose worker was killed."""
+        context = StudyContext(store, texts, self._cluster is not None)
         self._register(context)
         events: queue.SimpleQueue[distributed.Future] = queue.SimpleQueue()
-        works: dict[str, _Work] = {}
-        again: list[_Work] = []
-        new = (_Work(what, number) for number, what in enumerate(wanted))
+        works: dict[str, _Task] = {}
+        again: list[_Task] = []
+        new = (_Task(what, number) for number, what in enumerate(wanted))
         try:
             while True:
                 while len(works) < AHEAD * self._threads:
@@ -216,10 +217,10 @@ class Cluster:
                     future.add_done_callback(events.put)
                 if not works:
                     return
-                future = self._next(events)
+                future = self._wait_next(events)
                 assert future is not None
                 work = works.pop(future.key)
-                found = self._found(future)
+                found = self._result_of(future)
                 if found is not None:
                     yield found
                 else:
@@ -234,37 +235,37 @@ class Cluster:
                 with suppress(OSError, TimeoutError):  # a worker died meanwhile
                     self.client.unregister_worker_plugin(context.name)
 
-    def _register(self, context: Context) -> None:
-        """Give all workers what they need, and those that come later; again where one dies
-        meanwhile. Raises StudyError where the scheduler is gone."""
+    def _register(self, context: StudyContext) -> None:
+        """Register the context with all workers, also those that come later; again where one dies
+        meanwhile. Raises StudyError where they do not answer."""
         for turn in range(STARTS):
             try:
                 self.client.register_plugin(context)
                 return
             except (CommClosedError, TimeoutError):
-                self._watch(wait=True)
+                self._count_workers(wait=True)
                 sleep(TICK * turn)
         raise StudyError("the workers do not answer")
 
-    def _next(
+    def _wait_next(
         self, events: queue.SimpleQueue[distributed.Future], seconds: float = math.inf
     ) -> distributed.Future | None:
-        """The next task that is over, None where none is for so many seconds. Raises StudyError
-        where none will be."""
+        """Wait for the next task that is over; None where there is none for so many seconds. Raises
+        StudyError where there will be none."""
         until = monotonic() + seconds
         while monotonic() < until:
             try:
                 future = events.get(timeout=TICK)
             except queue.Empty:
-                self._watch()
+                self._count_workers()
                 continue
             if monotonic() - self._asked > EVERY:
-                self._watch()
+                self._count_workers()
             return future
         return None
 
-    def _found(self, future: distributed.Future) -> Any:
-        """What came out of a task, None where its worker was lost, be it when the task was done.
+    def _result_of(self, future: distributed.Future) -> Any:
+        """Return the result of a task, None where its worker was lost, even if the task was done.
         Raises what the task raised, and StudyError where the scheduler is gone."""
         try:
             return future.result(timeout=FETCHED)
@@ -277,12 +278,12 @@ class Cluster:
                 raise
         if future.status == "cancelled":
             sleep(TICK)  # the client is about to find out why
-        self._watch()
+        self._count_workers()
         return None
 
-    def _watch(self, wait: bool = False) -> None:
-        """See how many workers there are. Raises StudyError where the scheduler is gone, and where
-        there have been none for long."""
+    def _count_workers(self, wait: bool = False) -> None:
+        """Count the workers. Raises StudyError where the scheduler is gone, and where there have
+        been none for long."""
         now = monotonic()
         if self.client.status != "running":
             raise StudyError("the scheduler does not answer any more")
@@ -300,10 +301,10 @@ class Cluster:
         elif now - self._seen > PATIENCE[own]:
             raise StudyError(f"there has been no worker for {PATIENCE[own]:.0f} s")
         if own:
-            self._mend(len(found), now)
+            self._replace_workers(len(found), now)
 
-    def _mend(self, found: int, now: float) -> None:
-        """Start workers of our own in place of those that did not come back."""
+    def _replace_workers(self, found: int, now: float) -> None:
+        """Start workers in place of those started here that did not come back."""
         if found >= self.workers:
             self._whole = now
         elif now - self._whole > MENDED:
@@ -315,16 +316,16 @@ class Cluster:
 
 
 class _Nanny(distributed.Nanny):  # type: ignore[misc]  # of a package without types
-    """A process beside a worker that waits less for its end: blocks are kept whole, or not."""
+    """Dask's nanny with a shorter wait for the end of its worker: blocks are kept whole, or not."""
 
     async def close(self, timeout: float = ENDED, reason: str = "nanny-close") -> Any:
         """End the worker, whatever it computes."""
         return await super().close(timeout, reason)
 
 
-def _started(workers: int) -> distributed.LocalCluster:
-    """A cluster of so many processes, started again where one dies meanwhile. Raises StudyError
-    where they do not start."""
+def _start_cluster(workers: int) -> distributed.LocalCluster:
+    """Start a cluster of so many processes, again where one dies meanwhile. Raises StudyError where
+    they do not start."""
     security = distributed.Security.temporary()
     for _ in range(STARTS):
         with suppress(RuntimeError, OSError, TimeoutError):
@@ -341,9 +342,9 @@ def _started(workers: int) -> distributed.LocalCluster:
 
 
 @contextmanager
-def _unheard() -> Iterator[None]:
-    """What a terminal sends to all that run in it does not reach processes that are started here:
-    their client hears it, and ends them."""
+def _block_signals() -> Iterator[None]:
+    """Block signals of the terminal in processes that are started here: their client receives them,
+    and ends the processes."""
     if not hasattr(signal, "pthread_sigmask"):
         yield
         return
@@ -360,9 +361,9 @@ def _unheard() -> Iterator[None]:
 
 
 @contextmanager
-def _own_folder() -> Iterator[None]:
-    """Folders of workers, from which they import, lie in one that nobody else can write, and
-    nothing is imported from the one in which they are started."""
+def _private_folder() -> Iterator[None]:
+    """Put the folders of workers, from which they import, into one that nobody else can write, and
+    keep them from importing from the one in which they are started."""
     os.environ.setdefault(SAFE_PATH, SAFE)
     with (
         tempfile.TemporaryDirectory(prefix="rodgen-", ignore_cleanup_errors=True) as folder,
@@ -371,11 +372,11 @@ def _own_folder() -> Iterator[None]:
         try:
             yield
         finally:
-            end_safe_path()
+            unset_safe_path()
 
 
-def _client(address: str) -> distributed.Client:
-    """A client of a scheduler that is there. Raises InputError where none answers."""
+def _connect_client(address: str) -> distributed.Client:
+    """Connect to an existing scheduler. Raises InputError where none answers."""
     field = "--scheduler"
     try:
         # A scheduler is told apart from any other server by its address alone.
@@ -394,8 +395,8 @@ def _client(address: str) -> distributed.Client:
 
 
 @contextmanager
-def _quiet() -> Iterator[None]:
-    """Nothing of what Dask tells of workers that come and go."""
+def _silence_dask() -> Iterator[None]:
+    """Silence Dask's messages about workers that come and go."""
     # Dask gives levels and handlers of their own to some of the loggers below its own.
     names = [*LOUD, *logging.root.manager.loggerDict]
     loggers = [logging.getLogger(one) for one in names if one.partition(".")[0] in LOUD]
@@ -410,9 +411,9 @@ def _quiet() -> Iterator[None]:
 
 
 @contextmanager
-def _as_no_script() -> Iterator[None]:
-    """Workers do not run the script again that starts them, as Python's processes do otherwise:
-    a script then needs no `if __name__ == "__main__"`. Its functions reach them by value."""
+def _hide_main_script() -> Iterator[None]:
+    """Keep workers from running the script that starts them, as Python's processes do otherwise: it
+    then needs no `if __name__ == "__main__"`. Its functions reach them by value."""
     main = sys.modules["__main__"]
     kept = {name: main.__dict__.pop(name) for name in ("__file__",) if name in main.__dict__}
     spec, main.__spec__ = main.__spec__, None

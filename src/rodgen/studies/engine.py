@@ -1,4 +1,4 @@
-"""A study from its specification to its store: blocks, and who computes them."""
+"""Computation of a study into its store, block by block, by one process or by workers."""
 
 from __future__ import annotations
 
@@ -14,20 +14,20 @@ from typing import TYPE_CHECKING, Any, Protocol
 import numpy as np
 
 from rodgen.errors import InputError, StudyError
-from rodgen.extras import how_to_have
-from rodgen.integrate.endings import NO_RESULT
-from rodgen.progress import announce, counting, duration, telling, working
+from rodgen.extras import install_command
+from rodgen.integrate.run_status import NO_RESULT
+from rodgen.progress import announce, format_duration, report_stages_to, show_count, show_work
 from rodgen.scene import Scene
 from rodgen.studies.adaptive import Rounds
-from rodgen.studies.adaptive import rounds as rounds_of
+from rodgen.studies.adaptive import refinement_rounds as rounds_of
 from rodgen.studies.specification import Kept
 from rodgen.studies.study import MANY, Study
 
 if TYPE_CHECKING:
     import xarray as xr
 
-    from rodgen.studies.store import Store
-    from rodgen.studies.task import Arrays, Done
+    from rodgen.studies.store import StudyStore
+    from rodgen.studies.task import Arrays, BlockOutcome
 
 PIECE = 0.2  # seconds of work of points that are refined: a round waits for its last
 BLOCK = 1.0  # seconds of work of a block: a task costs milliseconds
@@ -36,31 +36,33 @@ SHARES = 4  # blocks for every worker at least, so that none waits long for the 
 MOST_POINTS = 10**5  # of a block
 MOST_BYTES = 32 * 10**6  # of what a block keeps
 MOST_WORKERS = 1024
-MISSING = f"studies need more: {how_to_have('study')}"
+MISSING = f"studies need more: {install_command('study')}"
 
 Texts = dict[tuple[str, ...], str]
 
 
 class Workers(Protocol):
-    """Who computes blocks."""
+    """Interface of workers that compute blocks."""
 
     @property
     def count(self) -> int:
-        """How many blocks are computed at once."""
+        """Number of blocks that are computed at once."""
         ...
 
-    def timed(self, study: Study) -> tuple[float, Texts]:
-        """Time that a point takes [s], and generated texts by their entries in the cache."""
+    def time_point(self, study: Study) -> tuple[float, Texts]:
+        """Return the time of a point [s], and generated texts by their entries in the cache."""
         ...
 
-    def compute(self, store: Store, blocks: Iterator[int], texts: Texts) -> Iterator[Done]:
+    def compute_blocks(
+        self, store: StudyStore, blocks: Iterator[int], texts: Texts
+    ) -> Iterator[BlockOutcome]:
         """Compute blocks, in whatever order they are done."""
         ...
 
-    def pieces(
-        self, store: Store, pieces: Iterator[list[int]], texts: Texts
+    def compute_points(
+        self, store: StudyStore, pieces: Iterator[list[int]], texts: Texts
     ) -> Iterator[tuple[list[int], Arrays]]:
-        """Compute points that are no blocks; what comes out is not written."""
+        """Compute points that are no blocks, without writing them."""
         ...
 
 
@@ -90,14 +92,14 @@ def study(
     Parameters
     ----------
     scene
-        A Scene, the path of one, or a Study, which has all of what follows up to ``options``.
+        A Scene, the path of one, or a Study, which sets all arguments up to ``time_limit``.
     vary
         Values of every key, by dotted name, such as {"loads.follower.force": [5, 10]}, or a table
         {bounds, count, scale}.
     what
         "run", "critical", "modes", "static", "lyapunov", "floquet" or "cycle".
     keep
-        What is kept of every point: reductions of a run such as "max(phi_19)", quantities of an
+        Quantities kept of every point: reductions of a run such as "max(phi_19)", results of an
         analysis, or functions of a Solution.
     sample
         {method, count, seed}: draw points from ranges, in place of a grid.
@@ -105,8 +107,8 @@ def study(
         Further arguments of the analysis.
     time_limit
         Time that a point may take, by the clock [s]; the first of a structure has a minute more.
-        Runs that are computed side by side have so much each together, and are else done again one
-        by one.
+        Runs that are computed side by side share the sum of their limits; where they exceed it,
+        they are repeated one by one.
     out
         Folder of the store, a Zarr group. Without it nothing is stored.
     workers
@@ -151,14 +153,18 @@ def study(
     [1, 0]
     """
     given = {"what": what, "keep": keep, "sample": sample, "options": options}
-    made = scene if isinstance(scene, Study) else _made(scene, vary, **given, time_limit=time_limit)
+    made = (
+        scene
+        if isinstance(scene, Study)
+        else _make_study(scene, vary, **given, time_limit=time_limit)
+    )
     temporary = out is None
     with ExitStack() as stack:
         if progress is False:
-            stack.enter_context(telling(lambda _: None))
+            stack.enter_context(report_stages_to(lambda _: None))
         if out is None:
             out = Path(stack.enter_context(tempfile.TemporaryDirectory()), "study.zarr")
-        run(
+        run_study(
             *(made, Path(out)),
             workers=workers,
             scheduler=scheduler,
@@ -167,13 +173,13 @@ def study(
             by=by,
             yes=yes,
         )
-        from rodgen.studies.store import read
+        from rodgen.studies.store import read_store
 
-        found = read(out)
+        found = read_store(out)
         return found.load() if temporary else found
 
 
-def run(
+def run_study(
     study: Study,
     path: Path,
     *,
@@ -185,74 +191,77 @@ def run(
     yes: bool = False,
     said: Callable[[str], None] = lambda _: None,
 ) -> None:
-    """Compute a study into the store at a path; what it says on the way goes to `said`.
+    """Compute a study into the store at a path; messages go to `said`.
 
     Raises what `study` raises.
     """
     check_extra(scheduled=scheduler is not None or workers != 1)
-    from rodgen.studies.store import Store
+    from rodgen.studies.store import StudyStore
 
     path = path.absolute()
-    _check(study, path, workers, scheduler, resume, yes)
+    _check_arguments(study, path, workers, scheduler, resume, yes)
     rounds = None if adaptive is None else rounds_of(study, adaptive, by)
     first = next(rounds) if rounds is not None else []
     how = "" if adaptive is None else f"{adaptive!r} {by or ''}"
     with ExitStack() as stack:
-        there: Store | None = None
+        there: StudyStore | None = None
         if path.exists():
-            there = Store.of(path, study, how)
-            there.drop_damaged()
-            if rounds is None and there.done().all():
+            there = StudyStore.of(path, study, how)
+            there.drop_damaged_blocks()
+            if rounds is None and there.done_blocks().all():
                 return
-        pool = _workers(stack, study, workers, scheduler, said)
+        pool = _choose_workers(stack, study, workers, scheduler, said)
         seconds, texts = PIECE, Texts()
         if there is None or rounds is not None:
-            with working(f"{study.name}: timing a point"):
-                seconds, texts = pool.timed(study)
-        size = size_of(study, seconds, pool.count)
-        announce(_plan(study, seconds if there is None else None, pool.count, adaptive), said)
-        store = there or Store.make(path, study, size, how)
+            with show_work(f"{study.name}: timing a point"):
+                seconds, texts = pool.time_point(study)
+        size = block_size(study, seconds, pool.count)
+        announce(
+            _describe_plan(study, seconds if there is None else None, pool.count, adaptive), said
+        )
+        store = there or StudyStore.create(path, study, size, how)
         if rounds is None:
-            _compute(pool, store, texts, said)
+            _compute_blocks(pool, store, texts, said)
         else:
             _refine(pool, store, rounds, first, max(1, int(PIECE / seconds)), texts, said)
 
 
-def _plan(study: Study, seconds: float | None, workers: int, adaptive: float | None) -> str:
-    """What will be done; seconds: of a point, where that is known."""
+def _describe_plan(
+    study: Study, seconds: float | None, workers: int, adaptive: float | None
+) -> str:
+    """Describe what will be computed; seconds: time of a point, None where a store is resumed."""
     most = "" if adaptive is None else "at most "
     where = "1 processor" if workers == 1 else f"{workers} processors"
     plan = f"{study.name}: {most}{study.count} points on {where}"
     if seconds is None:
         return f"{plan}, of which those that are there are kept"
-    return (
-        f"{plan}: about {duration(seconds * study.count / workers)}, as points in the middle take"
-    )
+    about = format_duration(seconds * study.count / workers)
+    return f"{plan}: about {about}, as points in the middle take"
 
 
 def check_extra(scheduled: bool = True) -> None:
-    """Raise ImportError, in a line, where the extra is not installed; scheduled: with Dask."""
+    """Raise ImportError where the extra `study` is not installed; scheduled: with Dask."""
     for name in ("zarr", "distributed", "cloudpickle", "cryptography") if scheduled else ("zarr",):
         if find_spec(name) is None:
             raise ImportError(f"{MISSING} (there is no {name})", name=name)
 
 
-def size_of(study: Study, seconds: float, workers: int) -> int:
-    """How many points a block has, where one takes so many seconds of a processor."""
-    from rodgen.studies.keep import variables
+def block_size(study: Study, seconds: float, workers: int) -> int:
+    """Choose the number of points of a block; seconds: processor time of a point."""
+    from rodgen.studies.kept_quantities import variables
 
-    each = sum(_bytes(one.dtype) * max(1, math.prod(one.shape)) for one in variables(study))
+    each = sum(_item_size(one.dtype) * max(1, math.prod(one.shape)) for one in variables(study))
     shared = -(-study.count // (SHARES * workers))
     wanted = int(max(BLOCK, workers / TASKS) / max(seconds, 1e-9))
     return max(1, min(wanted, shared, MOST_POINTS, MOST_BYTES // each))
 
 
-def _bytes(dtype: str) -> int:
+def _item_size(dtype: str) -> int:
     return 64 if dtype.startswith("U") else 8
 
 
-def _made(scene: Any, vary: Any, **given: Any) -> Study:
-    """A study from the arguments of `study`."""
+def _make_study(scene: Any, vary: Any, **given: Any) -> Study:
+    """Make a study from the arguments of `study`."""
     if isinstance(scene, str | Path):
         scene = Scene.from_toml(scene)
     if vary is None:
@@ -260,8 +269,10 @@ def _made(scene: Any, vary: Any, **given: Any) -> Study:
     return Study.of(scene, vary, **given)
 
 
-def _check(study: Study, path: Path, workers: Any, scheduler: Any, resume: bool, yes: bool) -> None:
-    """Raise InputError for what cannot be run this way."""
+def _check_arguments(
+    study: Study, path: Path, workers: Any, scheduler: Any, resume: bool, yes: bool
+) -> None:
+    """Raise InputError for arguments with which a study cannot be run."""
     whole = isinstance(workers, int) and not isinstance(workers, bool)
     if workers is not None and not (whole and 0 < workers <= MOST_WORKERS):
         raise InputError("workers", workers, f"a whole number from 1 to {MOST_WORKERS}")
@@ -275,7 +286,7 @@ def _check(study: Study, path: Path, workers: Any, scheduler: Any, resume: bool,
         raise InputError("out", str(path), allowed)
 
 
-def _workers(
+def _choose_workers(
     stack: ExitStack,
     study: Study,
     workers: int | None,
@@ -283,10 +294,10 @@ def _workers(
     said: Callable[[str], None],
 ) -> Workers:
     if scheduler is None and workers in (None, 1):
-        from rodgen.studies.here import Here
+        from rodgen.studies.local import LocalWorker
 
-        with ExitStack() as alone, working(f"{study.name}: timing a point"):
-            here = alone.enter_context(Here())
+        with ExitStack() as alone, show_work(f"{study.name}: timing a point"):
+            here = alone.enter_context(LocalWorker())
             if workers == 1 or here.is_enough(study):
                 stack.push(alone.pop_all())
                 return here
@@ -297,51 +308,53 @@ def _workers(
     return stack.enter_context(Cluster(workers or CPU_COUNT, scheduler, said))
 
 
-def _compute(pool: Workers, store: Store, texts: Texts, said: Callable[[str], None]) -> None:
+def _compute_blocks(
+    pool: Workers, store: StudyStore, texts: Texts, said: Callable[[str], None]
+) -> None:
     """Compute all blocks that are not marked. Raises StudyError where some are left."""
-    done = store.done()
+    done = store.done_blocks()
     layout, study = store.layout, store.study
     # Two clients that begin at once do not take the same blocks.
     start = random.SystemRandom().randrange(layout.count) if done.any() else 0
     order = (at % layout.count for at in range(start, start + layout.count))
     left = (block for block in order if not done[block] and not store.is_done(block))
-    before = sum(layout.points(int(block)) for block in done.nonzero()[0])
-    with counting(study.name, study.count, before, said) as count:
-        for one in pool.compute(store, left, texts):
+    before = sum(layout.size(int(block)) for block in done.nonzero()[0])
+    with show_count(study.name, study.count, before, said) as count:
+        for one in pool.compute_blocks(store, left, texts):
             count(one.points, one.failed)
-    missing = int((~store.done()).sum())
+    missing = int((~store.done_blocks()).sum())
     if missing:
         raise StudyError(f"{missing} of {layout.count} blocks are not done")
 
 
 def _refine(
     pool: Workers,
-    store: Store,
+    store: StudyStore,
     rounds: Rounds,
     wanted: list[int],
     size: int,
     texts: Texts,
     said: Callable[[str], None],
 ) -> None:
-    """Compute the points that are asked for round by round, in pieces of a size, but those that the
-    store has; wanted: those of the first round."""
-    from rodgen.studies.layout import MARK
-    from rodgen.studies.task import joined
+    """Compute the points of every round, in pieces of so many points, but for those that the store
+    has; wanted: the points of the first round."""
+    from rodgen.studies.block_layout import MARK
+    from rodgen.studies.task import concatenate
 
     known = np.asarray(store.arrays[MARK][...]).ravel() != ""
-    with counting(store.study.name, store.study.count, int(known.sum()), said) as count:
+    with show_count(store.study.name, store.study.count, int(known.sum()), said) as count:
         while True:
             new = [index for index in wanted if not known[index]]
             pieces = (new[at : at + size] for at in range(0, len(new), size))
             made = []
-            for indices, arrays in pool.pieces(store, pieces, texts):
+            for indices, arrays in pool.compute_points(store, pieces, texts):
                 made.append((indices, arrays))
                 count(len(indices), int(np.isin(arrays[MARK], NO_RESULT).sum()))
             if made:
                 whole = [index for indices, _ in made for index in indices]
-                store.put(whole, joined([arrays for _, arrays in made]))
+                store.write_points(whole, concatenate([arrays for _, arrays in made]))
                 known[whole] = True
             try:
-                wanted = rounds.send(store.take(wanted))
+                wanted = rounds.send(store.read_points(wanted))
             except StopIteration:
                 return

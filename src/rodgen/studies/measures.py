@@ -1,4 +1,4 @@
-"""What can be kept of a run, each with the variables that it fills and what it makes of a run."""
+"""Quantities that a study can keep of a run: their variables, and how they are computed."""
 
 from __future__ import annotations
 
@@ -10,30 +10,30 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from rodgen.errors import AnalysisError
-from rodgen.integrate.catalogue import Piece
-from rodgen.integrate.crossings import Crossed, Crossing
-from rodgen.integrate.endings import FINISHED
+from rodgen.integrate.crossings import Crossing, CrossingResults
+from rodgen.integrate.quantity_formulas import MotionSlice
 from rodgen.integrate.reductions import Numbers, Reduction
-from rodgen.studies.variable import Variable
+from rodgen.integrate.run_status import FINISHED
+from rodgen.studies.study_variable import StudyVariable
 
 if TYPE_CHECKING:
     from rodgen.arrays import Array
     from rodgen.integrate import Solution
     from rodgen.integrate.ensemble import Ensemble
-    from rodgen.integrate.equations import Equations
-    from rodgen.scene.event import Event
+    from rodgen.integrate.module_facts import ModuleFacts
+    from rodgen.scene.event import EventTable
 
 MOST_POINTS = 1000  # of a section, where no other number is given
 EVERY = -math.inf, math.inf
 
 
-def crossing_of(event: Event) -> Crossing:
-    """What runs side by side look out for as an event of their scene."""
+def event_crossing(event: EventTable) -> Crossing:
+    """Return the crossing that stands for an event of the scene in runs side by side."""
     return Crossing(event.quantity, event.value, event.direction)
 
 
 @dataclass(frozen=True)
-class Sampled:
+class SampleReduction:
     """A reduction of the samples of a run."""
 
     reduction: Reduction
@@ -41,28 +41,28 @@ class Sampled:
 
     @property
     def text(self) -> str:
-        """As it was asked for."""
+        """Text of the reduction, as in `keep`."""
         return self.reduction.text
 
     @property
     def numbers(self) -> tuple[str, ...]:
-        """Names of the numbers that it is made of."""
+        """Names of the numbers it is computed from."""
         return (self.reduction.number,)
 
     @property
-    def variables(self) -> tuple[Variable, ...]:
-        """The number that it is."""
-        return (Variable(self.text, units=self.units),)
+    def variables(self) -> tuple[StudyVariable, ...]:
+        """The variable of the reduced number."""
+        return (StudyVariable(self.text, units=self.units),)
 
-    def of(self, solution: Solution, places: Numbers) -> dict[str, Any]:
-        """What it is of a run."""
+    def compute(self, solution: Solution, places: Numbers) -> dict[str, Any]:
+        """Compute it for one run, by the names of its variables."""
         values = places.values(solution, self.reduction.number)
-        return {self.text: self.reduction.of(solution.t, values)}
+        return {self.text: self.reduction.reduce(solution.t, values)}
 
 
 @dataclass(frozen=True)
-class Count:
-    """How often an event of the scene happens between two times [s]."""
+class EventCount:
+    """Number of occurrences of an event of the scene between two times [s]."""
 
     text: str
     event: str
@@ -71,28 +71,30 @@ class Count:
     numbers: tuple[str, ...] = ()
 
     @property
-    def variables(self) -> tuple[Variable, ...]:
-        """The number of times, -1 where there was no run."""
-        return (Variable(self.text, dtype="i8", fill=-1),)
+    def variables(self) -> tuple[StudyVariable, ...]:
+        """The variable of the count, -1 where there was no run."""
+        return (StudyVariable(self.text, dtype="i8", fill=-1),)
 
-    def of(self, solution: Solution, places: Numbers) -> dict[str, Any]:
-        """What it is of a run."""
+    def compute(self, solution: Solution, places: Numbers) -> dict[str, Any]:
+        """Compute it for one run, by the names of its variables."""
         found = [one for one in solution.events if one.name == self.event]
         return {self.text: sum(self.start <= one.t <= self.end for one in found)}
 
-    def crossing(self, event: Event, equations: Equations) -> Crossing:
-        """What runs side by side look out for."""
-        return replace(crossing_of(event), start=self.start, end=self.end)
+    def crossing(self, event: EventTable, equations: ModuleFacts) -> Crossing:
+        """Return the crossing that runs side by side watch for."""
+        return replace(event_crossing(event), start=self.start, end=self.end)
 
-    def of_many(self, crossed: Crossed, equations: Equations, p: Array) -> dict[str, Any]:
-        """What it is of many runs, with parameters p (runs, parameters)."""
+    def compute_many(
+        self, crossed: CrossingResults, equations: ModuleFacts, p: Array
+    ) -> dict[str, Any]:
+        """Compute it for many runs, with parameters p (runs, parameters)."""
         return {self.text: crossed.counts}
 
 
 @dataclass(frozen=True)
-class Section:
-    """A number at the times at which another passes a level between two times [s], at most so many
-    of them, and these times."""
+class CrossingSection:
+    """Section of a run: a number and the times [s] at the crossings of a level by another number,
+    the first `most` of those between two times [s]."""
 
     text: str
     number: str
@@ -108,47 +110,49 @@ class Section:
 
     @property
     def numbers(self) -> tuple[str, ...]:
-        """Names of the numbers that it is made of."""
+        """Names of the numbers it is computed from."""
         return (self.number,)
 
     @property
-    def variables(self) -> tuple[Variable, ...]:
-        """The values and the times, one after the other."""
+    def variables(self) -> tuple[StudyVariable, ...]:
+        """The variables of the values and of the times."""
         beyond = (self.dim,), (self.most,)
         return (
-            Variable(self.text, *beyond, units=self.units),
-            Variable(f"{self.text}.t", *beyond, units="s"),
+            StudyVariable(self.text, *beyond, units=self.units),
+            StudyVariable(f"{self.text}.t", *beyond, units="s"),
         )
 
     @property
-    def table(self) -> dict[str, Any]:
-        """The event that a run looks out for."""
+    def event_table(self) -> dict[str, Any]:
+        """Table of the event that a run watches for."""
         crossing = {"quantity": self.where, "value": self.level, "direction": self.direction}
         return crossing | {"name": self.event}
 
-    def of(self, solution: Solution, places: Numbers) -> dict[str, Any]:
-        """What it is of a run."""
+    def compute(self, solution: Solution, places: Numbers) -> dict[str, Any]:
+        """Compute it for one run, by the names of its variables."""
         met = [e for e in solution.events if e.name == self.event and self.start <= e.t <= self.end]
         met = met[: self.most]
         made = {name: np.full(self.most, math.nan) for name in (self.text, f"{self.text}.t")}
         if met:
             t, y = np.array([one.t for one in met]), np.array([one.y for one in met])
             system = solution.system
-            there = Piece(solution.model, system.p, y, t, timed=system.timed)
+            there = MotionSlice(solution.model, system.p, y, t, timed=system.time_laws)
             made[self.text][: len(met)] = places.values(there, self.number)
             made[f"{self.text}.t"][: len(met)] = t
         return made
 
-    def crossing(self, event: Event, equations: Equations) -> Crossing:
-        """What runs side by side look out for: where C does not have the number, the states."""
-        alone = equations.observes(self.number)
+    def crossing(self, event: EventTable, equations: ModuleFacts) -> Crossing:
+        """Return the crossing to watch for, which keeps the number, or the states if C lacks it."""
+        alone = equations.can_observe(self.number)
         numbers = (self.number,) if alone else tuple(equations.model.STATE)
-        counted = replace(crossing_of(event), start=self.start, end=self.end)
+        counted = replace(event_crossing(event), start=self.start, end=self.end)
         return replace(counted, kept=numbers, most=self.most)
 
-    def of_many(self, crossed: Crossed, equations: Equations, p: Array) -> dict[str, Any]:
-        """What it is of many runs, with parameters p (runs, parameters)."""
-        if equations.observes(self.number):
+    def compute_many(
+        self, crossed: CrossingResults, equations: ModuleFacts, p: Array
+    ) -> dict[str, Any]:
+        """Compute it for many runs, with parameters p (runs, parameters)."""
+        if equations.can_observe(self.number):
             return {self.text: crossed.values[..., 0], f"{self.text}.t": crossed.t}
         made = np.full(crossed.t.shape, math.nan)
         for run in np.flatnonzero(crossed.counts):
@@ -156,15 +160,15 @@ class Section:
             states, t, timed = (
                 crossed.values[run, met],
                 crossed.t[run, met],
-                equations.timed(p[run]),
+                equations.time_laws(p[run]),
             )
-            there = Piece(equations.model, p[run], states, t, timed=timed)
+            there = MotionSlice(equations.model, p[run], states, t, timed=timed)
             made[run, met] = equations.numbers.values(there, self.number)
         return {self.text: made, f"{self.text}.t": crossed.t}
 
 
 @dataclass(frozen=True)
-class Peak:
+class SpectralPeak:
     """The highest peak in the spectrum of a number between two times [s]."""
 
     text: str
@@ -175,41 +179,41 @@ class Peak:
 
     @property
     def numbers(self) -> tuple[str, ...]:
-        """Names of the numbers that it is made of."""
+        """Names of the numbers it is computed from."""
         return (self.number,)
 
     @property
-    def variables(self) -> tuple[Variable, ...]:
-        """Its frequency and its amplitude."""
+    def variables(self) -> tuple[StudyVariable, ...]:
+        """The variables of its frequency and its amplitude."""
         return (
-            Variable(f"{self.text}.frequency", units="Hz"),
-            Variable(f"{self.text}.amplitude", units=self.units),
+            StudyVariable(f"{self.text}.frequency", units="Hz"),
+            StudyVariable(f"{self.text}.amplitude", units=self.units),
         )
 
-    def of(self, solution: Solution, places: Numbers) -> dict[str, Any]:
-        """What it is of a run; not-a-number where there is no peak. Raises InputError for samples
-        that are not uniform."""
-        return self._of(solution.t, places.values(solution, self.number))
+    def compute(self, solution: Solution, places: Numbers) -> dict[str, Any]:
+        """Compute it for one run; not-a-number where there is no peak. Raises InputError for
+        samples that are not uniform."""
+        return self._highest_peak(solution.t, places.values(solution, self.number))
 
-    def of_many(self, ensemble: Ensemble, number: int) -> dict[str, Any]:
-        """What it is of many runs, of which a number was traced. Raises what `of` raises."""
+    def compute_many(self, ensemble: Ensemble, number: int) -> dict[str, Any]:
+        """Compute it for many runs; number: index of its traced number. Raises as `compute`."""
         runs = [
-            self._of(*ensemble.trace(rod, number)) if status == FINISHED else {}
+            self._highest_peak(*ensemble.trace(rod, number)) if status == FINISHED else {}
             for rod, status in enumerate(ensemble.status.tolist())
         ]
         names = [variable.name for variable in self.variables]
         return {name: np.array([run.get(name, math.nan) for run in runs]) for name in names}
 
-    def _of(self, t: Array, values: Array) -> dict[str, float]:
+    def _highest_peak(self, t: Array, values: Array) -> dict[str, float]:
         # It brings a third of all that a worker would import.
-        from rodgen.analyse.fourier import peaks_of
+        from rodgen.analyse.spectrum import find_peaks
 
         inside = (t >= self.start) & (t <= self.end)
         last = int(np.flatnonzero(inside)[-1]) if inside.any() else 0
         if last > 1 and t[last] - t[last - 1] < 0.999 * (t[1] - t[0]):
             inside[last] = False  # the end of the run, between two samples
         try:
-            found = peaks_of(t[inside], values[inside], peaks=1)
+            found = find_peaks(t[inside], values[inside], peaks=1)
         except AnalysisError:
             return {f"{self.text}.{part}": math.nan for part in ("frequency", "amplitude")}
         return {
@@ -219,21 +223,21 @@ class Peak:
 
 
 @dataclass(frozen=True)
-class Own:
-    """A function of a Solution that gives a number."""
+class UserFunction:
+    """A user's function that makes a number of a Solution."""
 
     text: str
     function: Callable[[Solution], float] = field(compare=False)
     numbers: tuple[str, ...] = ()
 
     @property
-    def variables(self) -> tuple[Variable, ...]:
-        """That number."""
-        return (Variable(self.text),)
+    def variables(self) -> tuple[StudyVariable, ...]:
+        """The variable of that number."""
+        return (StudyVariable(self.text),)
 
-    def of(self, solution: Solution, places: Numbers) -> dict[str, Any]:
-        """What it makes of a run. Raises what it raises; TypeError for what is no number."""
+    def compute(self, solution: Solution, places: Numbers) -> dict[str, Any]:
+        """Call the function. Raises what it raises; TypeError for what is no number."""
         return {self.text: float(self.function(solution))}
 
 
-Kept = Sampled | Count | Section | Peak | Own
+Kept = SampleReduction | EventCount | CrossingSection | SpectralPeak | UserFunction

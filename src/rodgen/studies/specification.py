@@ -1,4 +1,4 @@
-"""What a study is made of, as plain data: a scene, what of it is varied, computed and kept."""
+"""Specification of a study as plain data: a scene, and what of it is varied, computed and kept."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from functools import cached_property
 from typing import Any
 
 from rodgen.scene import Scene
-from rodgen.scene.keys import key_place
+from rodgen.scene.keys import find_key
 from rodgen.studies.axis import EXTENDABLE, Axis, Sample, Value
 from rodgen.system import System
 
@@ -21,7 +21,7 @@ Kept = str | Callable[..., Any]
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Specification:
-    """What a study is made of, and what follows from it for every point; see Study."""
+    """Plain data of a study, with the scene and the system of every point; see Study."""
 
     name: str
     scene: dict[str, Any]
@@ -34,44 +34,44 @@ class Specification:
 
     @cached_property
     def system(self) -> System:
-        """The scene as it stands."""
+        """The system of the scene before anything is varied."""
         return System(Scene.from_dict(self.scene))
 
     @property
     def dims(self) -> tuple[str, ...]:
-        """Dimensions of what comes out: the varied keys of a grid, "point" of a sample."""
+        """Dimensions of the results: the varied keys of a grid, "point" of a sample."""
         return tuple(one.name for one in self.axes) if self.sample is None else ("point",)
 
     @property
     def shape(self) -> tuple[int, ...]:
-        """How many points there are along them."""
+        """Number of points along each dimension."""
         if self.sample is not None:
             return (self.sample.count,)
         return tuple(len(one.values) for one in self.axes)
 
     @property
     def count(self) -> int:
-        """How many points there are."""
+        """Number of points."""
         return math.prod(self.shape)
 
     @cached_property
     def places(self) -> dict[str, tuple[str, ...]]:
-        """Keys of tables and lists of the scene that are varied, by name."""
+        """Path of every varied key through tables and lists of the scene, by its dotted name."""
         values = (one.values for one in self.axes if isinstance(one.values, tuple))
         laws = [value for of in values for value in of if isinstance(value, str)]
-        return {one.name: key_place(self.scene, one.name, others=laws) for one in self.axes}
+        return {one.name: find_key(self.scene, one.name, others=laws) for one in self.axes}
 
     def place(self, name: str) -> tuple[str, ...]:
-        """Keys of tables and lists where a varied key stands in the scene, a body by its place in
-        the list.
+        """Return the path of a varied key through tables and lists of the scene, a body by its
+        place in the list.
 
         name: the dotted name of the key.
         """
         return self.places[name]
 
     def scene_at(self, point: Mapping[str, Value]) -> Scene:
-        """The scene of a point. Another number of links converts damping as `Scene.with_links`
-        does.
+        """Return the scene of a point. Another number of links converts damping as
+        `Scene.with_links` does.
 
         point: values of the varied keys, in SI units; it may leave keys as they are.
 
@@ -80,7 +80,7 @@ class Specification:
         return self.system_at(point).scene
 
     def system_at(self, point: Mapping[str, Value]) -> System:
-        """The system of a point.
+        """Return the system of a point.
 
         point: values of the varied keys, in SI units; it may leave keys as they are.
 
@@ -90,8 +90,8 @@ class Specification:
 
     @cached_property
     def contents(self) -> dict[str, str]:
-        """What it consists of, part by part, as text that is equal for equal studies. How many
-        points a sample has that can be extended is no part of it."""
+        """Parts of the study as text, equal for equal studies. The number of points of a sample
+        that can be extended is left out."""
         axes = [one.contents for one in self.axes]
         sample = None if self.sample is None else self.sample.model_dump()
         if sample is not None and sample["method"] in EXTENDABLE:
@@ -101,7 +101,7 @@ class Specification:
             "vary": axes,
             "sample": sample,
             "what": self.what,
-            "keep": [_named(one) for one in self.keep],
+            "keep": [_kept_text(one) for one in self.keep],
             "options": self.options,
             "time_limit": self.time_limit,
         }
@@ -109,7 +109,7 @@ class Specification:
 
     @cached_property
     def digest(self) -> str:
-        """A hash of the contents, equal for equal studies."""
+        """Hash of the contents, equal for equal studies."""
         return hashlib.sha256("\0".join(self.contents.values()).encode()).hexdigest()
 
     def __eq__(self, other: object) -> bool:
@@ -123,8 +123,8 @@ class Specification:
         return self.digest, self.count
 
 
-def _named(kept: Kept) -> str:
-    """What is kept, as text; of a function its name and a hash of its source."""
+def _kept_text(kept: Kept) -> str:
+    """Return the text of a kept quantity; of a function, its name and a hash of its source."""
     if isinstance(kept, str):
         return kept
     try:

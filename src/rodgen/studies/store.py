@@ -21,14 +21,14 @@ from uuid import uuid4
 import numpy as np
 from numpy.typing import NDArray
 
-from rodgen.dataset_result import show_datasets
+from rodgen.dataset_result import register_accessor
 from rodgen.errors import InputError
 from rodgen.loading.cache import PACKAGES, source_hash
-from rodgen.scene.plain import read_table
-from rodgen.studies.keep import variables
-from rodgen.studies.layout import CHUNKS, MARK, Layout
-from rodgen.studies.points import Point
-from rodgen.studies.variable import Variable
+from rodgen.scene.plain_tables import read_toml
+from rodgen.studies.block_layout import CHUNKS, MARK, Layout
+from rodgen.studies.kept_quantities import variables
+from rodgen.studies.sampling import Point
+from rodgen.studies.study_variable import StudyVariable
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -44,14 +44,14 @@ SOURCES = (*PACKAGES, "rodgen.integrate", "rodgen.analyse", "rodgen.studies")
 
 
 def identity() -> dict[str, str]:
-    """Version of rodgen and content hash of its sources: equal for equal results."""
+    """Return the version of rodgen and a hash of its sources: equal for equal results."""
     return {"rodgen": version("rodgen"), "sources": source_hash(*SOURCES)[:32]}
 
 
 @dataclass(frozen=True)
-class Store:
-    """A store that is there, of a study; layout: its blocks; arrays: by name, the mark last;
-    token: of this store alone."""
+class StudyStore:
+    """An existing store of a study. layout: its blocks; arrays: by name, the mark last; token: of
+    this store alone."""
 
     path: Path
     study: Study
@@ -60,9 +60,9 @@ class Store:
     token: str
 
     @classmethod
-    def make(cls, path: Path, study: Study, size: int, adaptive: str = "") -> Store:
-        """A new store in blocks of about so many points, or the one that another client has made
-        there meanwhile; adaptive: how its points are chosen, where not all are computed. Raises
+    def create(cls, path: Path, study: Study, size: int, adaptive: str = "") -> StudyStore:
+        """Create a store in blocks of about so many points, or open the one that another client has
+        made meanwhile. adaptive: how its points are chosen, where not all are computed. Raises
         InputError where it cannot be written."""
         layout = Layout.of(study.shape, size)
         try:
@@ -85,52 +85,52 @@ class Store:
         return cls.of(path, study, adaptive)
 
     @classmethod
-    def of(cls, path: Path, study: Study, adaptive: str = "") -> Store:
-        """The store at a path, extended to the points of the study where it has fewer. Raises
+    def of(cls, path: Path, study: Study, adaptive: str = "") -> StudyStore:
+        """Open the store at a path, extended to the points of the study where it has fewer. Raises
         InputError for that of another study or version; nothing is changed then."""
-        group = _group(path)
+        group = _open_group(path)
         _check_same(path, dict(group.attrs), study, adaptive)
-        arrays = {name: _array(group, name) for name in _names(study)}
+        arrays = {name: _open_array(group, name) for name in _array_names(study)}
         mark = arrays[MARK]
         if mark.shape != study.shape:
             if study.count < mark.shape[0]:
                 allowed = f"at least {mark.shape[0]}, which the store {path} has"
                 raise InputError("sample.count", study.count, allowed)
             _extend(path, arrays, study.count, mark.shape[0])
-            group = _group(path)
-            arrays = {name: _array(group, name) for name in arrays}
+            group = _open_group(path)
+            arrays = {name: _open_array(group, name) for name in arrays}
         return cls(path, study, Layout(study.shape, mark.chunks), arrays, str(group.attrs["token"]))
 
     def is_done(self, block: int) -> bool:
-        """Whether a block is marked, and whole."""
-        return self._whole(self.layout.place(block))
+        """Whether a block is marked and whole."""
+        return self._is_whole(self.layout.position(block))
 
-    def _whole(self, place: tuple[int, ...]) -> bool:
-        """Whether all chunks of the block at a place are there."""
+    def _is_whole(self, place: tuple[int, ...]) -> bool:
+        """Whether all chunks of the block at a place exist."""
         return all(chunk.exists() for chunk in self._chunks(place))
 
     def _chunks(self, place: tuple[int, ...]) -> Iterator[Path]:
-        """Files of the block at a place, the mark first."""
+        """Yield the files of the block at a place, the mark first."""
         for name, array in reversed(self.arrays.items()):
             inner = "0" * (array.ndim - len(place))
             yield self.path.joinpath(name, CHUNKS, *map(str, place), *inner)
 
-    def drop_damaged(self) -> None:
-        """Remove blocks of which a chunk is not as it was written: they are computed again. Raises
-        InputError where that cannot be done."""
-        from rodgen.studies.integrity import damaged, is_intact
+    def drop_damaged_blocks(self) -> None:
+        """Remove blocks with a damaged chunk, so that they are computed again. Raises InputError
+        where they cannot be removed."""
+        from rodgen.studies.integrity import damage_error, is_intact
 
-        for block in self.done().nonzero()[0]:
-            chunks = [*self._chunks(self.layout.place(int(block)))]
+        for block in self.done_blocks().nonzero()[0]:
+            chunks = [*self._chunks(self.layout.position(int(block)))]
             if not all(is_intact(chunk) for chunk in chunks):
                 for chunk in chunks:
                     try:
                         chunk.unlink(missing_ok=True)
                     except OSError:  # a folder, say
-                        raise damaged(self.path, f"{chunk.relative_to(self.path)}") from None
+                        raise damage_error(self.path, f"{chunk.relative_to(self.path)}") from None
 
-    def done(self) -> NDArray[np.bool_]:
-        """Which blocks are marked, and whole, (blocks,)."""
+    def done_blocks(self) -> NDArray[np.bool_]:
+        """Return which blocks are marked and whole, (blocks,)."""
         marked = np.zeros(self.layout.grid, dtype=bool)
         root, depth = self.path / MARK / CHUNKS, marked.ndim
         for folder, _, files in os.walk(root):
@@ -140,14 +140,14 @@ class Store:
                 outer_at = tuple(map(int, outer))
                 for at in within:
                     if all(a < n for a, n in zip((*outer_at, at), marked.shape, strict=True)):
-                        marked[(*outer_at, at)] = self._whole((*outer_at, at))
+                        marked[(*outer_at, at)] = self._is_whole((*outer_at, at))
         return marked.ravel()
 
-    def write(
+    def write_block(
         self, block: int, points: Sequence[Point], arrays: Mapping[str, NDArray[Any]]
     ) -> None:
-        """Write what came out of the points of a block, then mark it."""
-        box = self.layout.box(block)
+        """Write the results of the points of a block, then mark it."""
+        box = self.layout.slices(block)
         shape = tuple(s.stop - s.start for s in box)
         for name, array in self.arrays.items():
             if name in arrays:
@@ -156,40 +156,40 @@ class Store:
                 values = np.array([point[name] for point in points])
             array[box] = values.reshape(shape + values.shape[1:]).astype(array.dtype, copy=False)
 
-    def put(self, indices: Sequence[int], arrays: Mapping[str, NDArray[Any]]) -> None:
-        """Write some points of a grid into blocks that have others; nobody else may write then."""
+    def write_points(self, indices: Sequence[int], arrays: Mapping[str, NDArray[Any]]) -> None:
+        """Write single points of a grid into their blocks; nobody else may write meanwhile."""
         numbers = np.asarray(indices)
         at = np.unravel_index(numbers, self.layout.shape)
         places = [i // size for i, size in zip(at, self.layout.chunk, strict=True)]
         blocks = np.ravel_multi_index(places, self.layout.grid)
         for block in np.unique(blocks).tolist():
-            box, chosen = self.layout.box(block), np.flatnonzero(blocks == block)
+            box, chosen = self.layout.slices(block), np.flatnonzero(blocks == block)
             inside = tuple(i[chosen] - s.start for i, s in zip(at, box, strict=True))
             for name, array in self.arrays.items():
                 values = np.asarray(array[box])
                 values[inside] = np.asarray(arrays[name])[chosen].astype(values.dtype)
                 array[box] = values
 
-    def take(self, indices: Sequence[int]) -> dict[str, NDArray[Any]]:
-        """What the store has of some points of a grid, by the names of its variables."""
+    def read_points(self, indices: Sequence[int]) -> dict[str, NDArray[Any]]:
+        """Return the values of some points of a grid, by the names of the variables."""
         at = np.unravel_index(np.asarray(indices), self.layout.shape)
         return {name: np.asarray(array[...])[at] for name, array in self.arrays.items()}
 
 
-def read(path: str | Path) -> xr.Dataset:
-    """What a store has: a variable of every kept quantity, with status, message, energy_error and
+def read_store(path: str | Path) -> xr.Dataset:
+    """Read a store: a variable of every kept quantity, with status, message, energy_error and
     seconds of every point, over the varied keys of a grid or the points of a sample.
 
-    Points that are not computed yet have the status "". A store beyond 20 MB is read as it is
-    asked for. Raises InputError for what is no store of a study.
+    Points that are not computed yet have the status "". A store beyond 20 MB is read lazily. Raises
+    InputError for what is no store of a study.
     """
     import xarray as xr
 
     from rodgen.studies.integrity import OWN, SUMS
 
-    show_datasets()
+    register_accessor()
     path = Path(path)
-    group = _group(path)
+    group = _open_group(path)
     if "digest" not in group.attrs:
         raise InputError("store", str(path), "the store of a study")
     data = xr.open_zarr(group.store, consolidated=False, chunks=None)
@@ -197,11 +197,11 @@ def read(path: str | Path) -> xr.Dataset:
         data.attrs.pop(name, None)
     drawn = data.attrs.get("coordinates", "").split()
     data = data.set_coords(drawn)[json.loads(data.attrs["variables"])]
-    return _plain(data.load()) if data.nbytes <= LARGE else data
+    return _plain_text(data.load()) if data.nbytes <= LARGE else data
 
 
-def _plain(data: xr.Dataset) -> xr.Dataset:
-    """Text as libraries know it that do not know NumPy's text of any length."""
+def _plain_text(data: xr.Dataset) -> xr.Dataset:
+    """Convert NumPy's text of any length to types that other libraries know."""
     found = {name: array for name, array in data.variables.items() if array.dtype.kind == "T"}
     return data.assign(
         {name: array.astype("U8" if name == MARK else object) for name, array in found.items()}
@@ -209,46 +209,46 @@ def _plain(data: xr.Dataset) -> xr.Dataset:
 
 
 def arrays_of(path: str | Path) -> dict[str, zarr.Array[Any]]:
-    """The arrays of a store by name. Raises InputError for what is no store of a study."""
-    group = _group(Path(path))
+    """Return the arrays of a store by name. Raises InputError for what is no store of a study."""
+    group = _open_group(Path(path))
     if "digest" not in group.attrs:
         raise InputError("store", str(path), "the store of a study")
-    return {name: _array(group, name) for name in group.array_keys()}
+    return {name: _open_array(group, name) for name in group.array_keys()}
 
 
 def attributes_of(path: str | Path) -> dict[str, Any]:
-    """The attributes of a store. Raises InputError for what is no store."""
-    return dict(_group(Path(path)).attrs)
+    """Return the attributes of a store. Raises InputError for what is no store."""
+    return dict(_open_group(Path(path)).attrs)
 
 
-def _group(path: Path) -> zarr.Group:
-    """The group of a store. Raises InputError where there is none, or it is damaged."""
+def _open_group(path: Path) -> zarr.Group:
+    """Open the group of a store. Raises InputError where there is none, or it is damaged."""
     import zarr
 
-    from rodgen.studies.integrity import DESCRIPTION, WholeStore, damaged
+    from rodgen.studies.integrity import DESCRIPTION, ChecksumStore, damage_error
 
     if path.is_file():
         if path.suffix == ".toml":
-            read_table(path, "store")  # which says of a scene or a study that it is one
+            read_toml(path, "store")  # which says of a scene or a study that it is one
         raise InputError("store", str(path), "the store of a study, a folder (this is a file)")
     try:
-        store = WholeStore(path)
+        store = ChecksumStore(path)
         group = zarr.open_group(store, mode="r+", zarr_format=3)
         if "digest" in group.attrs:
             names = json.loads(str(group.attrs["variables"]))
             store.blocked = {*names, *str(group.attrs.get("coordinates", "")).split()}
-            store.dims = _array(group, MARK).ndim
+            store.dims = _open_array(group, MARK).ndim
         return group
     except InputError:
         raise
     except (OSError, ValueError, KeyError, TypeError) as error:
         if not isinstance(error, OSError) and (path / DESCRIPTION).exists():
-            raise damaged(path, DESCRIPTION) from None
+            raise damage_error(path, DESCRIPTION) from None
         why = error.strerror if isinstance(error, OSError) and error.strerror else "there is none"
         raise InputError("store", str(path), f"the store of a study ({why})") from None
 
 
-def _array(group: zarr.Group, name: str) -> zarr.Array[Any]:
+def _open_array(group: zarr.Group, name: str) -> zarr.Array[Any]:
     import zarr
 
     # A chunk that is not there was lost, not left out.
@@ -258,36 +258,36 @@ def _array(group: zarr.Group, name: str) -> zarr.Array[Any]:
     return found
 
 
-def _mark(path: Path, place: tuple[int, ...]) -> Path:
-    """The file of the chunk that marks a block, as Zarr names it."""
+def _mark_file(path: Path, place: tuple[int, ...]) -> Path:
+    """Return the file of the chunk that marks a block, as Zarr names it."""
     return path.joinpath(MARK, CHUNKS, *map(str, place))
 
 
-def text_or(name: str) -> Any:
-    """Type of an array: text is of any length, as Zarr has no standard for that of fixed length."""
+def dtype_of(name: str) -> Any:
+    """Return the type of an array: text has any length, as Zarr has no standard for a fixed one."""
     return np.dtypes.StringDType() if name.startswith("U") else np.dtype(name)
 
 
 def _create(folder: Path, study: Study, layout: Layout, adaptive: str) -> None:
-    """An empty store."""
+    """Create an empty store."""
     import xarray as xr
     import zarr
 
-    from rodgen.studies.integrity import CODECS, sealed
+    from rodgen.studies.integrity import CODECS, write_checksums
 
     sampled = study.sample is not None
     along = {} if sampled else {a.name: (a.name, np.array(a.values)) for a in study.axes}
-    coordinates = xr.Dataset(coords={k: (d, _text(v)) for k, (d, v) in along.items()})
+    coordinates = xr.Dataset(coords={k: (d, _object_text(v)) for k, (d, v) in along.items()})
     coded = {str(name): {"compressors": CODECS} for name in coordinates.variables}
     coordinates.to_zarr(folder, mode="w", zarr_format=3, consolidated=False, encoding=coded)
     group = zarr.open_group(folder, mode="r+", zarr_format=3)
-    drawn = [_of_axis(axis) for axis in study.axes] if sampled else []
+    drawn = [_axis_variable(axis) for axis in study.axes] if sampled else []
     for one in [*drawn, *variables(study)]:
         group.create_array(
             one.name,
             shape=layout.shape + one.shape,
             chunks=layout.chunk + tuple(max(1, n) for n in one.shape),
-            dtype=text_or(one.dtype),
+            dtype=dtype_of(one.dtype),
             fill_value=one.fill,
             compressors=CODECS,
             dimension_names=(*study.dims, *one.dims),
@@ -299,18 +299,18 @@ def _create(folder: Path, study: Study, layout: Layout, adaptive: str) -> None:
     group.attrs.update({**named, **study.contents, "adaptive": adaptive, **identity()})
     if drawn:
         group.attrs["coordinates"] = " ".join(one.name for one in drawn)
-    sealed(folder)
+    write_checksums(folder)
 
 
-def _of_axis(axis: Any) -> Variable:
-    """The values of a varied key at the points of a sample."""
-    kind = np.array(axis.drawn(0.0)).dtype.kind
+def _axis_variable(axis: Any) -> StudyVariable:
+    """Return the variable of a varied key at the points of a sample."""
+    kind = np.array(axis.value_at(0.0)).dtype.kind
     fills = {"i": ("i8", 0), "U": ("U200", "")}
     dtype, fill = fills.get(kind, ("f8", float("nan")))
-    return Variable(axis.name, dtype=dtype, fill=fill)
+    return StudyVariable(axis.name, dtype=dtype, fill=fill)
 
 
-def _text(values: NDArray[Any]) -> NDArray[Any]:
+def _object_text(values: NDArray[Any]) -> NDArray[Any]:
     return values.astype(object) if values.dtype.kind == "U" else values
 
 
@@ -330,30 +330,30 @@ def _check_same(path: Path, attributes: Mapping[str, Any], study: Study, adaptiv
             raise InputError("store", str(path), allowed)
 
 
-def _names(study: Study) -> list[str]:
-    """Names of the arrays that blocks are written to, the mark last."""
+def _array_names(study: Study) -> list[str]:
+    """Return the names of the arrays that blocks are written to, the mark last."""
     drawn = [axis.name for axis in study.axes] if study.sample is not None else []
     return [*drawn, *(one.name for one in variables(study) if one.name != MARK), MARK]
 
 
 def _extend(path: Path, arrays: Mapping[str, zarr.Array[Any]], count: int, before: int) -> None:
-    """Make room for more points. A last block that was not full is computed anew, with the same
+    """Make room for more points. A last block that was not full is computed again, with the same
     results."""
     import zarr
 
-    from rodgen.studies.integrity import sealed
+    from rodgen.studies.integrity import write_checksums
 
     (chunk,) = arrays[MARK].chunks
     if before % chunk:
-        _mark(path, (before // chunk,)).unlink(missing_ok=True)
+        _mark_file(path, (before // chunk,)).unlink(missing_ok=True)
 
-    def longer(folder: Path) -> None:
+    def resize(folder: Path) -> None:
         group = zarr.open_group(folder, mode="r+", zarr_format=3)
         for name in arrays:
-            array = _array(group, name)
+            array = _open_array(group, name)
             array.resize((count, *array.shape[1:]))
 
-    sealed(path, longer)
+    write_checksums(path, resize)
 
 
 def _umask() -> int:

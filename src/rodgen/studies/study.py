@@ -1,4 +1,4 @@
-"""A study: its specification, read from a file or made in Python, and checked."""
+"""Studies, read from a file or made in Python, and their checks."""
 
 from __future__ import annotations
 
@@ -6,16 +6,16 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any, Self
 
-from rodgen.errors import UNKNOWN, InputError, did_you_mean, unknown_key
+from rodgen.errors import UNKNOWN, InputError, did_you_mean, unknown_key_message
 from rodgen.result import Result, Row
 from rodgen.scene import Scene
-from rodgen.scene.files import with_tables
-from rodgen.scene.plain import STUDY, plain, read_table
-from rodgen.studies.axis import Axis, Sample, axis
-from rodgen.studies.keep import variables
-from rodgen.studies.points import points
+from rodgen.scene.plain_tables import STUDY, read_toml, to_plain
+from rodgen.scene.scene_files import read_table_files
+from rodgen.studies.axis import Axis, Sample, read_axis
+from rodgen.studies.kept_quantities import variables
+from rodgen.studies.sampling import points_at
 from rodgen.studies.specification import Kept, Specification
-from rodgen.studies.time_limit import checked_limit
+from rodgen.studies.time_limit import check_limit
 from rodgen.system import System
 
 WHAT = ("run", "critical", "modes", "static", "lyapunov", "floquet", "cycle")
@@ -41,7 +41,7 @@ MANY = 10**8  # points, beyond which a study is asked for twice
 
 
 class Study(Specification, Result):
-    """A study. Its checks raise InputError before anything is computed.
+    """A scene at many values of its keys. Its checks raise InputError before any computing.
 
     name: of the study and its store; scene: tables of the scene; axes: keys that are varied, in
     order, with their values; sample: how points are drawn from them, None for a grid; what: the
@@ -66,9 +66,11 @@ class Study(Specification, Result):
         Row("what", "what is computed"),
         Row("count", "points"),
         Row("keys", "key", along="axis", of=lambda study: [one.name for one in study.axes]),
-        Row("values", "values", along="axis", of=lambda study: [_spacing(a) for a in study.axes]),
-        Row("first", "first", along="axis", of=lambda study: [one.ends[0] for one in study.axes]),
-        Row("last", "last", along="axis", of=lambda study: [one.ends[1] for one in study.axes]),
+        Row(
+            "values", "values", along="axis", of=lambda study: [_values_text(a) for a in study.axes]
+        ),
+        Row("first", "first", along="axis", of=lambda study: [one.bounds[0] for one in study.axes]),
+        Row("last", "last", along="axis", of=lambda study: [one.bounds[1] for one in study.axes]),
     )
 
     def __repr__(self) -> str:
@@ -77,19 +79,19 @@ class Study(Specification, Result):
 
     @classmethod
     def from_toml(cls, path: str | Path) -> Self:
-        """Read a study from a TOML file; its scene is a table of it, or a file by its path from
-        the folder of the study.
+        """Read a study from a TOML file. Its scene is a table of that file, or the path of a file,
+        relative to the folder of the study.
 
         path: of the file.
         """
         path = Path(path)
-        table = read_table(path, STUDY)
+        table = read_toml(path, STUDY)
         _check_keys("", table)
         given = table.get("scene")
         if isinstance(given, str):
             scene = Scene.from_toml(path.parent / given)
         elif isinstance(given, dict):
-            scene = _of_table(given, path.parent)
+            scene = _scene_from_table(given, path.parent)
         else:
             raise InputError("scene", given, "the path of a scene, or its tables")
         compute = table.get("compute", {})
@@ -112,7 +114,7 @@ class Study(Specification, Result):
         time_limit: float | None = None,
         name: str | None = None,
     ) -> Self:
-        """A study from Python.
+        """Make a study of a scene.
 
         system: the scene; vary: for every key its values (a list, an array) or a table {bounds,
         count, scale}, in SI units; what: the analysis; keep: what is kept of every point; sample:
@@ -122,11 +124,11 @@ class Study(Specification, Result):
         scene = System.of(system).scene
         if name is not None and not (isinstance(name, str) and name.isidentifier()):
             raise InputError("name", name, "a plain identifier")
-        drawn = None if sample is None else Sample.read(plain(dict(sample), "sample"))
-        vary = plain(dict(vary) if isinstance(vary, Mapping) else vary, "vary")
+        drawn = None if sample is None else Sample.read(to_plain(dict(sample), "sample"))
+        vary = to_plain(dict(vary) if isinstance(vary, Mapping) else vary, "vary")
         if not isinstance(vary, dict) or not vary:
             raise InputError("vary", vary, "a table of at least one key of the scene")
-        axes = tuple(axis(str(key), table, drawn is not None) for key, table in vary.items())
+        axes = tuple(read_axis(str(key), table, drawn is not None) for key, table in vary.items())
         if what not in WHAT:
             raise InputError(
                 "compute.what", what, f"one of {', '.join(WHAT)}{did_you_mean(what, WHAT)}"
@@ -135,16 +137,16 @@ class Study(Specification, Result):
         for at, one in enumerate(kept):
             if not (isinstance(one, str) or callable(one)):
                 raise InputError(f"compute.keep[{at}]", one, "a reduction, or a function")
-        chosen = plain(dict(options or {}), "compute.options")
+        chosen = to_plain(dict(options or {}), "compute.options")
         table = scene.to_dict()
-        limit = checked_limit(time_limit)
+        limit = check_limit(time_limit)
         made = cls(name or scene.name, table, axes, drawn, what, kept, chosen, limit)
         made._check()
         return made
 
     def _check(self) -> None:
-        """Raise InputError unless it has keys of its scene, kept quantities with names of their
-        own, and a point that its scene takes."""
+        """Raise InputError unless the scene has all varied keys, kept quantities have names of
+        their own, and the scene accepts at least one point."""
         for one in self.axes:
             self._check_axis(one)
         names = {one.name for one in self.axes}
@@ -154,9 +156,9 @@ class Study(Specification, Result):
                 raise InputError("compute.keep", kept.name, allowed)
             names.add(kept.name)
         first: InputError | None = None
-        for index in _spread(self.count):
+        for index in _spread_indices(self.count):
             try:
-                self.system_at(points(self, [index])[0])
+                self.system_at(points_at(self, [index])[0])
                 return
             except InputError as error:
                 first = first or error
@@ -165,28 +167,28 @@ class Study(Specification, Result):
             raise InputError("vary", list(self.places), why)
 
     def _check_axis(self, one: Axis) -> None:
-        """Raise InputError for a key that the scene does not have, or that takes no value of
-        these."""
+        """Raise InputError for a key that the scene does not have, or that takes none of these
+        values."""
         self.place(one.name)
-        values = one.values or tuple(one.drawn(share) for share in (0.0, 0.5, 1 - 1e-9))
+        values = one.values or tuple(one.value_at(share) for share in (0.0, 0.5, 1 - 1e-9))
         first: InputError | None = None
-        for at in _spread(len(values)):
+        for at in _spread_indices(len(values)):
             try:
                 self.system_at({one.name: values[at]})
                 return
             except InputError as error:
                 if error.allowed.startswith(UNKNOWN):
                     raise InputError(f"vary.{one.name}", values[at], error.allowed) from None
-                if len(self.axes) > 1 and not _is_of(error, self.place(one.name)):
+                if len(self.axes) > 1 and not _is_about(error, self.place(one.name)):
                     return  # another key may be what makes it possible
                 first = first or error
         assert first is not None
         raise InputError(f"vary.{one.name}", first.value, first.allowed)
 
 
-def _of_table(table: dict[str, Any], folder: Path) -> Scene:
+def _scene_from_table(table: dict[str, Any], folder: Path) -> Scene:
     try:
-        return Scene.from_dict(with_tables(table, folder))
+        return Scene.from_dict(read_table_files(table, folder))
     except InputError as error:
         raise InputError(f"scene.{error.field}", error.value, error.allowed) from None
 
@@ -196,21 +198,21 @@ def _check_keys(table: str, given: Mapping[str, Any]) -> None:
     for key, value in given.items():
         if key not in known:
             name = f"{table}.{key}" if table else key
-            raise InputError(name, value, unknown_key(key, known))
+            raise InputError(name, value, unknown_key_message(key, known))
 
 
-def _is_of(error: InputError, place: tuple[str, ...]) -> bool:
-    """Whether an error speaks of a key."""
+def _is_about(error: InputError, place: tuple[str, ...]) -> bool:
+    """Whether an error is about a key."""
     return error.field.replace("[", ".").replace("]", "").startswith(".".join(place))
 
 
-def _spread(count: int) -> Sequence[int]:
-    """At most so many whole numbers below a count, as all of it if it is small."""
+def _spread_indices(count: int) -> Sequence[int]:
+    """Return all whole numbers below a count, or MOST_TRIED of them, evenly spaced."""
     if count <= MOST_TRIED:
         return range(count)
     return [at * (count - 1) // (MOST_TRIED - 1) for at in range(MOST_TRIED)]
 
 
-def _spacing(axis: Axis) -> str:
-    """How many values it has, or how they are drawn."""
+def _values_text(axis: Axis) -> str:
+    """Return the number of values as text, or the scale of the range from which they are drawn."""
     return f"{len(axis.values)}" if len(axis.values) else axis.scale

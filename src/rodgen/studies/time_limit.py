@@ -1,4 +1,4 @@
-"""The time that a point of a study may take."""
+"""Time limit of the points of a study."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from contextlib import contextmanager
 from threading import Lock, Timer, get_ident
 
 from rodgen.errors import InputError
-from rodgen.scene.plain import is_number, plain
+from rodgen.scene.plain_tables import is_number, to_plain
 from rodgen.system import System
 
 MAKING = 60.0  # seconds that the first point of a structure has more, for making its module
@@ -16,14 +16,14 @@ LONGEST = 1e9  # seconds that a timer can wait
 _known: set[str] = set()  # structures whose modules are there, by their hashes
 
 
-class TooLong(BaseException):
-    """A computation that took longer than it may. Nothing that goes on after any Exception is to go
-    on after this."""
+class TimeLimitExceeded(BaseException):
+    """Raised in a computation that exceeds its time limit; no Exception, so that what catches every
+    Exception lets it pass."""
 
 
-def checked_limit(seconds: object, field: str = "compute.time_limit") -> float | None:
-    """A limit of time [s], or None. Raises InputError."""
-    seconds = plain(seconds, field)
+def check_limit(seconds: object, field: str = "compute.time_limit") -> float | None:
+    """Check a time limit [s], or None. Raises InputError."""
+    seconds = to_plain(seconds, field)
     if seconds is not None and not (is_number(seconds) and 0 < seconds < float("inf")):
         raise InputError(field, seconds, "a positive number of seconds")
     return None if seconds is None else float(seconds)
@@ -31,8 +31,8 @@ def checked_limit(seconds: object, field: str = "compute.time_limit") -> float |
 
 @contextmanager
 def time_limit(seconds: float | None, *systems: System) -> Iterator[None]:
-    """Raise TooLong inside where it takes longer than so many seconds, at the next line of Python;
-    None for no limit. systems: of which modules may have to be made first."""
+    """Raise TimeLimitExceeded inside the block, at its next line of Python, after so many seconds;
+    None for no limit. systems: whose modules may have to be built first, in extra time."""
     if seconds is None:
         yield
         return
@@ -45,7 +45,9 @@ def time_limit(seconds: float | None, *systems: System) -> Iterator[None]:
         with lock:
             if not over:
                 fired = True
-                ctypes.pythonapi.PyThreadState_SetAsyncExc(thread, ctypes.py_object(TooLong))
+                ctypes.pythonapi.PyThreadState_SetAsyncExc(
+                    thread, ctypes.py_object(TimeLimitExceeded)
+                )
 
     timer = Timer(min(seconds + MAKING * bool(new), LONGEST), stop)
     timer.daemon = True
@@ -60,4 +62,4 @@ def time_limit(seconds: float | None, *systems: System) -> Iterator[None]:
         if fired:  # it may be about to come yet
             ctypes.pythonapi.PyThreadState_SetAsyncExc(thread, None)
     if fired:
-        raise TooLong
+        raise TimeLimitExceeded

@@ -1,7 +1,7 @@
-"""A scene made ready to compute with, and the same with other numbers."""
+"""Systems: scenes prepared for computation, and copies of them with other numbers."""
 
 from rodgen.system.parameter_map import ParameterMap, ParameterSlot
-from rodgen.system.parameter_range import ParameterLine, ParameterRange, start_at
+from rodgen.system.parameter_range import ParameterLine, ParameterRange, system_at_start
 from rodgen.system.system import System
 
 __all__ = [
@@ -10,5 +10,5 @@ __all__ = [
     "ParameterRange",
     "ParameterSlot",
     "System",
-    "start_at",
+    "system_at_start",
 ]

@@ -1,4 +1,4 @@
-"""The numbers of a system in arrays, and changes of them by keys of its scene."""
+"""Packing of a system's numbers into arrays, and unpacking to keys of its scene."""
 
 from __future__ import annotations
 
@@ -9,37 +9,37 @@ import numpy as np
 
 from rodgen.arrays import Array
 from rodgen.scene import Scene, Structure
-from rodgen.scene.plain import plain
+from rodgen.scene.plain_tables import to_plain
 
 
-def as_plain(value: Any, place: str) -> Any:
-    """A value as a file has it; most are numbers already."""
-    return value if type(value) is float else plain(value, place)
+def to_plain_value(value: Any, place: str) -> Any:
+    """Convert a value to what a file has; most are numbers already."""
+    return value if type(value) is float else to_plain(value, place)
 
 
-def merge(changes: dict[str, Any], given: dict[str, Any]) -> dict[str, Any]:
-    """Changes with others after them, which are the last to be made."""
+def merge_changes(changes: dict[str, Any], given: dict[str, Any]) -> dict[str, Any]:
+    """Merge changes with others, which come after them."""
     return {key: value for key, value in changes.items() if key not in given} | given
 
 
 def pack(structure: Structure, given: Mapping[str, Any]) -> Array:
-    """p of parameters by name."""
+    """Pack parameters, by name, into the array p."""
     p = np.empty(structure.width)
-    for name, place in structure.places.items():
+    for name, place in structure.slices.items():
         p[place] = given[name]
     return p
 
 
-def fixed(array: Array) -> Array:
-    """An array that cannot be written to."""
+def make_read_only(array: Array) -> Array:
+    """Make an array read-only, and return it."""
     array.flags.writeable = False
     return array
 
 
 def initial_values(scene: Scene, y: Array) -> dict[str, Any]:
-    """Keys of a scene and their values for a state y (states,) at the start."""
+    """Values of the keys of a scene that give a state y (states,) at the start."""
     q, v = np.split(y[: len(y) - len(scene.states)], 2)
-    base = 2 * scene.hold.translates
+    base = 2 * scene.boundary_condition.translates
     made: dict[str, Any] = {"initial.phi": q[base:].tolist(), "initial.omega": v[base:].tolist()}
     if base:
         made |= {"initial.position": q[:2].tolist(), "initial.velocity": v[:2].tolist()}

@@ -1,5 +1,4 @@
-"""Numbers that a system is followed along: one of its scene, or one that parameters are in
-proportion to."""
+"""Parameters of continuation: a number of the scene, or a factor of parameters of the module."""
 
 from __future__ import annotations
 
@@ -12,7 +11,7 @@ from numpy.typing import ArrayLike
 
 from rodgen.arrays import Array
 from rodgen.errors import AnalysisError, InputError
-from rodgen.scene.plain import is_number, plain
+from rodgen.scene.plain_tables import is_number, to_plain
 from rodgen.system.system import System
 
 SAME = "a number that leaves the structure of the equations as it is"
@@ -39,7 +38,7 @@ class ParameterRange:
         self._systems: dict[float, System] = {}
         check_key(system, key)
         low, high = bounds
-        if not all(is_number(plain(value, key)) and np.isfinite(value) for value in bounds):
+        if not all(is_number(to_plain(value, key)) and np.isfinite(value) for value in bounds):
             raise InputError("bounds", bounds, "(a, b), two finite numbers")
         if low == high:
             raise InputError("bounds", bounds, f"a range of {key}: its ends are both {low:g}")
@@ -51,7 +50,7 @@ class ParameterRange:
 
     @property
     def unit(self) -> float:
-        """How far the ends are apart."""
+        """Width of the range."""
         return abs(self.bounds[1] - self.bounds[0])
 
     def at(self, value: float) -> System:
@@ -66,49 +65,49 @@ class ParameterRange:
         return self._systems[value]
 
     def parameters(self, value: float) -> Array:
-        """p of the module at a value; beyond the ends, where the scene may refuse it, on the line
-        through both, if p alone follows the number. Raises AnalysisError."""
+        """Parameters p of the module at a value; beyond the ends, where the scene may refuse it, on
+        the line through both, if the number affects p alone. Raises AnalysisError."""
         low, high = sorted(self.bounds)
         if self._line is not None and not low <= value <= high:
             return self._line.parameters(value)
         return self.at(value).p
 
-    def near(self, value: float) -> Beside:
-        """p beside a value, and how much each counts in a derivative by the value over the range:
-        on the line through both ends where p lies on it, else at values within the range. Raises
-        AnalysisError."""
+    def difference_points(self, value: float) -> Beside:
+        """Vectors p beside a value, and their weights in a finite difference by the value over the
+        range: on the line through both ends where p lies on it, else at values within the range.
+        Raises AnalysisError."""
         step = STEP * self.unit
-        if self._line is not None and self._linear:
+        if self._line is not None and self._is_linear:
             return [(self._line.parameters(value + k * step), w / STEP) for k, w in FOURTH]
         low, high = sorted(self.bounds)
         middle = min(max(value, low + 2 * step), high - 2 * step)
-        weights = _weights((value - middle) / step) / STEP
+        weights = _derivative_weights((value - middle) / step) / STEP
         return [(self.at(middle + k * step).p, w) for k, w in zip(PLACES, weights, strict=True)]
 
     @property
-    def of_parameters(self) -> bool:
-        """Whether p alone follows the number, and the scene in nothing else."""
+    def is_only_in_parameters(self) -> bool:
+        """Whether the number affects p alone."""
         slot = self.system.parameter_map.slot(self.key)
         return slot is not None and not len(slot.y)
 
     @cached_property
     def _line(self) -> ParameterLine | None:
-        if not self.of_parameters:
+        if not self.is_only_in_parameters:
             return None
         low, high = ((end, self.at(end).p) for end in self.bounds)
         return ParameterLine.through(low, high)
 
     @cached_property
-    def _linear(self) -> bool:
-        """Whether p lies on that line everywhere, as that of several supports at a point does
-        not."""
+    def _is_linear(self) -> bool:
+        """Whether p lies on that line all along the range, as that of several supports at a point
+        does not."""
         middle = sum(self.bounds) / 2
         here, p = self.at(middle).p, self._line.parameters(middle) if self._line else 0.0
         return bool((np.abs(here - p) <= ROUNDING * np.abs(here)).all())
 
 
 class ParameterLine(NamedTuple):
-    """Parameters of a module that change linearly with a number, the same for all scenes.
+    """Parameters p of a module as a linear function of a number.
 
     start: p (width,) at the number 0; slope: by how much p changes with the number, (width,).
     """
@@ -118,29 +117,29 @@ class ParameterLine(NamedTuple):
 
     @property
     def bounds(self) -> tuple[float, float]:
-        """Of a share, nothing and all."""
+        """Range of the number: a share, from 0 to 1."""
         return 0.0, 1.0
 
     @property
     def unit(self) -> float:
-        """How far they are apart."""
+        """Width of the range."""
         return 1.0
 
     @classmethod
     def of(cls, system: System, parts: Mapping[str, ArrayLike]) -> ParameterLine:
-        """p of a system, some parameters of which are in proportion to the number.
+        """Line on which some parameters of a system are in proportion to the number.
 
         parts: those at the number 1, by their names in the module.
         """
         start, slope = system.p.copy(), np.zeros(len(system.p))
         for name, part in parts.items():
-            place = system.structure.places[name]
+            place = system.structure.slices[name]
             start[place], slope[place] = 0.0, part
         return cls(start, slope)
 
     @classmethod
     def through(cls, low: tuple[float, Array], high: tuple[float, Array]) -> ParameterLine:
-        """p that are known at two numbers."""
+        """Line through p at two numbers."""
         (a, p), (b, q) = low, high
         slope = (q - p) / (b - a)
         return cls(p - a * slope, slope)
@@ -149,14 +148,14 @@ class ParameterLine(NamedTuple):
         """p of the module (width,) at a value of the number."""
         return self.start + value * self.slope
 
-    def near(self, value: float) -> Beside:
-        """All less none, of what is in proportion to the number."""
+    def difference_points(self, value: float) -> Beside:
+        """Parameters p at 1 and at 0, with weights 1 and -1: their difference is the slope."""
         return [(self.parameters(1.0), 1.0), (self.parameters(0.0), -1.0)]
 
 
-def _weights(x: float) -> Array:
-    """How much values at PLACES count in a derivative at x that is right for polynomials up to the
-    fourth degree."""
+def _derivative_weights(x: float) -> Array:
+    """Weights of values at PLACES in a derivative at x, exact for polynomials up to the fourth
+    degree."""
     powers = np.arange(5)
     due = powers * x ** np.maximum(powers - 1, 0)
     return np.asarray(np.linalg.solve(np.vander(PLACES, increasing=True).T, due))
@@ -169,8 +168,7 @@ def check_key(system: System, key: str) -> None:
     system.value_of(key)
 
 
-def start_at(system: System, key: str, value: float) -> System:
-    """Return the system at the first value of a key, which may take the place of a law in time.
-    Raises InputError."""
+def system_at_start(system: System, key: str, value: float) -> System:
+    """System at the first value of a key, which may replace a law in time. Raises InputError."""
     check_key(system, key)
     return system.at({key: float(value)})

@@ -1,4 +1,4 @@
-"""A scene made ready to compute with, and the same with other numbers."""
+"""Systems: scenes prepared for computation, and copies of them with other numbers."""
 
 from __future__ import annotations
 
@@ -14,27 +14,36 @@ from rodgen.arrays import Array
 from rodgen.errors import InputError, check_type
 from rodgen.loading import build, build_fastest
 from rodgen.model.rod import Boundary
-from rodgen.native.library import surroundings
+from rodgen.native.library import build_environment
 from rodgen.result import Note, doubt
 from rodgen.scene import Scene, Structure
-from rodgen.scene.course import Course
-from rodgen.scene.event import Event
+from rodgen.scene.event import EventTable
 from rodgen.scene.expression import Expression
-from rodgen.scene.integration import Integrate, Settings
-from rodgen.scene.plain import plain
+from rodgen.scene.integration import IntegrationSettings, IntegrationTable
+from rodgen.scene.plain_tables import to_plain
 from rodgen.scene.scene import with_values
-from rodgen.system.doubts import begun, turned
-from rodgen.system.instant import freeze, instant
-from rodgen.system.packing import as_plain, fixed, initial_values, merge, pack
+from rodgen.scene.time_laws import TimeLaws
+from rodgen.system.freezing import freeze, load_time
+from rodgen.system.packing import (
+    initial_values,
+    make_read_only,
+    merge_changes,
+    pack,
+    to_plain_value,
+)
 from rodgen.system.parameter_map import ParameterMap
+from rodgen.system.plausibility import angle_doubts, initial_angle_doubts
 
 SETTINGS = "integrate."
-# What is found out of a system, as scenes and of the laws among them.
-SCENES, LAWS = ("scene", "source"), ("_timed_by", "course", "laws", "timed")
+# Cached properties: those that are scenes, and those of expressions in time.
+SCENES, LAWS = (
+    ("scene", "source"),
+    ("_time_law_scene", "time_functions", "expressions", "time_laws"),
+)
 
 
 class System:
-    """A scene made ready to compute with, and the same with other numbers.
+    """A scene prepared for computation, and copied with other numbers at little cost.
 
     structure: what its module is specialised to; p: parameters of the module, (width,) in SI units;
     y0: the state at the start, (states,) in SI units; t: the time whose loads and masses hold all
@@ -46,8 +55,11 @@ class System:
     >>> import rodgen
     >>> column = rodgen.System(rodgen.Scene.example("ziegler"))
     >>> pushed = column.at({"loads.follower.force": 2.5})
-    >>> column.model("numpy").PARAMETERS[-1], float(pushed.p[-1] - column.p[-1]) != 0
-    ('follower_force', True)
+    >>> column.value("follower_force") == pushed.value("follower_force"), pushed.value("mass")
+    (False, 6.0)
+    >>> p, y0 = column.batch_arrays({"loads.follower.force": [2.0, 2.5, 3.0]})
+    >>> p.shape, y0.shape
+    ((3, 6), (3, 4))
     >>> rodgen.simulate(pushed, span=(0, 0.1), progress=False).scene.loads.follower.force
     2.5
     """
@@ -56,27 +68,27 @@ class System:
     p: Array
     y0: Array
     t: float | None
-    settings: Integrate
+    settings: IntegrationTable
 
     def __init__(self, scene: Scene):
-        """scene: what is computed with. Raises TypeError for what is none."""
+        """Prepare a scene. Raises TypeError for anything else."""
         if not isinstance(scene, Scene):
             check_type("scene", scene, Scene, see="Scene.from_toml")
-        self._begin(scene, scene, None)
+        self._set_up(scene, scene, None)
 
-    def _begin(self, source: Scene, base: Scene, t: float | None) -> None:
-        """source: the scene; base: the same with its loads at a time, where that is given."""
+    def _set_up(self, source: Scene, base: Scene, t: float | None) -> None:
+        """Set all attributes. source: the scene; base: the same with its loads at t, if given."""
         self._source, self._base, self.t = source, base, t
         self._changes: dict[str, Any] = {}
         self._models: dict[Any, ModuleType] = {}
         self._map = ParameterMap(base, source)
         self.structure, self.settings = base.structure, base.integrate
         given, y0 = base.parameters, base.initial_state()
-        self.p, self.y0 = fixed(pack(self.structure, given)), fixed(y0)
+        self.p, self.y0 = make_read_only(pack(self.structure, given)), make_read_only(y0)
 
     @classmethod
     def of(cls, given: System | Scene) -> System:
-        """A system as it is, or that of a scene.
+        """Return a system as it is, or the system of a scene.
 
         given: a system or a scene.
 
@@ -99,7 +111,7 @@ class System:
         return hash((self.t, self.source))
 
     def __getstate__(self) -> dict[str, Any]:
-        """All but what is found out again."""
+        """State for pickling, without caches."""
         kept = ("_source", "_base", "t", "_changes", "structure", "settings", "p", "y0")
         return {name: self.__dict__[name] for name in kept}
 
@@ -156,22 +168,22 @@ class System:
             allowed = 'a dictionary of values by dotted names, such as {"rod.length": 3}'
             raise InputError("changes", changes, allowed)
         if changes:
-            given = {str(k): as_plain(v, str(k)) for k, v in changes.items()}
+            given = {str(k): to_plain_value(v, str(k)) for k, v in changes.items()}
             made = made._with_values(given)
             if not unused and made.structure is not self.structure:
-                made.source.check_used(given)
+                made.source.check_numbers_in_use(given)
         if t is not None:
             made = made.steady(t)
         return made if y0 is None else made._from_state(y0)
 
-    def rows(self, values: Mapping[str, ArrayLike]) -> tuple[Array, Array]:
-        """p (rods, width) and y0 (rods, states) of many rods that are this one with other numbers.
+    def batch_arrays(self, values: Mapping[str, ArrayLike]) -> tuple[Array, Array]:
+        """Arrays p (rods, width) and y0 (rods, states) of many copies of this rod.
 
         values: by keys of the scene, each a number or (rods,), in SI units. Raises InputError for a
         key of which more than p and y0 follows, such as the number of links, for values that the
         scene refuses, and for arrays of different lengths.
         """
-        columns = {key: _column(key, value) for key, value in values.items()}
+        columns = {key: _to_column(key, value) for key, value in values.items()}
         counts = {len(one) for one in columns.values() if one.shape != (1,)}
         if len(counts) > 1 or any(one.ndim != 1 for one in columns.values()):
             shapes = {key: one.shape for key, one in columns.items()}
@@ -185,53 +197,55 @@ class System:
                 allowed = "a key of which p or y0 alone follows; `rodgen.study` varies others"
                 raise InputError("p", key, allowed)
             for value in np.unique(column).tolist():
-                if not slot.takes(value):
+                if not slot.accepts(value):
                     self.at({key: value})  # which says why, unless that is another module
                     raise InputError(f"p.{key}", value, "a number for which the module stays")
             p[:, slot.p], y0[:, slot.y] = column[:, None], column[:, None]
         return p, y0
 
     def steady(self, t: float | None = None) -> System:
-        """The system whose loads and masses hold all along.
+        """Copy with loads and masses that are constant in time.
 
         t: those of this time [s], by default those of the system, else of the start of the span.
 
         Raises InputError for a time outside the span, and where none is given and masses change.
         """
-        return self if self.t is not None and t in (None, self.t) else self._frozen(t)
+        return self if self.t is not None and t in (None, self.t) else self._freeze(t)
 
-    def with_settings(self, **given: Unpack[Settings]) -> System:
-        """The system with other values in [integrate]; those that are None are left.
+    def with_settings(self, **given: Unpack[IntegrationSettings]) -> System:
+        """Copy with other values in [integrate]; None keeps a value.
 
         given: values by the names in [integrate].
 
-        A tolerance takes the place of a step of the scene, where the method has a use for either;
-        another output_every that of t_eval. Raises InputError.
+        A tolerance replaces a step of the scene where the method can use either, and output_every
+        replaces t_eval. Raises InputError.
         """
         if all(value is None for value in given.values()):
             return self
         return self._with_integrate(self.settings.with_values(**given))
 
-    def _with_integrate(self, settings: Integrate) -> System:
+    def _with_integrate(self, settings: IntegrationTable) -> System:
         if self.t is not None:  # its numbers stay, whatever its laws do in another span
-            base = self._base.integrated(settings)
+            base = self._base.with_checked_settings(settings)
             return self._copy(LAWS, _source=base, _base=base, settings=settings)
-        source = self._source.integrated(settings)
+        source = self._source.with_checked_settings(settings)
         moved = settings.span[0] != self.settings.span[0]
-        if moved and (source.along or source.distribution.changing):
-            return self._made_of(with_values(source, self._changes) if self._changes else source)
+        if moved and (source.loads_along_rod or source.distribution.changing_masses):
+            return self._from_source(
+                with_values(source, self._changes) if self._changes else source
+            )
         return self._copy(LAWS, _source=source, _base=source, settings=settings)
 
-    def integrated_by(self, method: str) -> System:
-        """The system with the method that was found for it.
+    def with_method(self, method: str) -> System:
+        """Copy with the method that was chosen for it.
 
         method: its name.
         """
-        source, base = (one.integrated_by(method) for one in (self._source, self._base))
+        source, base = (one.with_method(method) for one in (self._source, self._base))
         return self._copy(LAWS, _source=source, _base=base, settings=base.integrate)
 
     def _copy(self, dropped: tuple[str, ...] = (), **others: Any) -> System:
-        """A system of other values; dropped: what was found out and does not hold of it."""
+        """Copy with other attributes; dropped: caches that do not hold for it."""
         made = object.__new__(type(self))
         made.__dict__.update(self.__dict__, **others)
         for name in (*SCENES, *dropped):
@@ -243,50 +257,53 @@ class System:
         p, y0, anchored = self.p.copy(), self.y0.copy(), False
         dropped: tuple[str, ...] = ()
         for key, slot in slots.items():
-            if slot is None or not slot.takes(given[key]):
-                return self._otherwise(given)
+            if slot is None or not slot.accepts(given[key]):
+                return self._with_other_scene(given)
             if not slot.anchor:
                 p[slot.p], y0[slot.y] = given[key], given[key]
             anchored = anchored or slot.anchor
             dropped = LAWS if slot.timed else dropped
-        changes = merge(self._changes, given)
+        changes = merge_changes(self._changes, given)
         if any(_overlaps(key, changes) for key in given):
-            return self._otherwise(given)
+            return self._with_other_scene(given)
         if anchored:
-            self._map.put_anchors(changes, p)
-        return self._copy(dropped, _changes=changes, p=fixed(p), y0=fixed(y0))
+            self._map.set_anchors(changes, p)
+        return self._copy(dropped, _changes=changes, p=make_read_only(p), y0=make_read_only(y0))
 
-    def _otherwise(self, given: dict[str, Any]) -> System:
-        """By way of another scene."""
+    def _with_other_scene(self, given: dict[str, Any]) -> System:
+        """Make the system by another scene, for values that p and y0 cannot take."""
         settings = {k.removeprefix(SETTINGS): v for k, v in given.items() if k.startswith(SETTINGS)}
-        known = settings.keys() <= Settings.__annotations__.keys() and None not in settings.values()
+        known = (
+            settings.keys() <= IntegrationSettings.__annotations__.keys()
+            and None not in settings.values()
+        )
         if known and len(settings) == len(given):
             return self._with_integrate(self.settings.replace(settings))
-        return self._made_of(with_values(self.source, given))
+        return self._from_source(with_values(self.source, given))
 
-    def _made_of(self, source: Scene) -> System:
+    def _from_source(self, source: Scene) -> System:
         made = object.__new__(type(self))
-        made._begin(source, source if self.t is None else freeze(source, self.t), self.t)
+        made._set_up(source, source if self.t is None else freeze(source, self.t), self.t)
         return made
 
     @cached_property
     def source(self) -> Scene:
-        """The scene with its loads as functions of time, whatever the time of the system is."""
+        """Scene with its loads as functions of time, whatever the time of the system is."""
         return with_values(self._source, self._changes) if self._changes else self._source
 
-    def _frozen(self, t: float | None) -> System:
+    def _freeze(self, t: float | None) -> System:
         source = self.source
-        t = instant(source, t)
+        t = load_time(source, t)
         base = freeze(source, t)
         if base is source:
             return self._copy(t=t)
         made = object.__new__(type(self))
-        made._begin(source, base, t)
+        made._set_up(source, base, t)
         return made
 
     def _from_state(self, y: ArrayLike) -> System:
         states = len(self.y0)
-        state = np.asarray(plain(y, "y0"))
+        state = np.asarray(to_plain(y, "y0"))
         if (
             state.dtype.kind not in "iuf"
             or state.shape != (states,)
@@ -295,10 +312,10 @@ class System:
             allowed = f"{states} finite numbers, as the module's STATE has them"
             raise InputError("y0", y, allowed)
         values = initial_values(self._base, state.astype(float))
-        if self.hold.translates and (self._base.supports or self._base.foundation):
-            return self._otherwise(values)  # which rest where the rod begins
-        changes = merge(self._changes, values)
-        return self._copy(_changes=changes, y0=fixed(state.astype(float)))
+        if self.boundary_condition.translates and (self._base.supports or self._base.foundation):
+            return self._with_other_scene(values)  # which rest where the rod begins
+        changes = merge_changes(self._changes, values)
+        return self._copy(_changes=changes, y0=make_read_only(state.astype(float)))
 
     def value_of(self, key: str, field: str = "vary") -> Any:
         """The value of a key of the scene, None where it is left out.
@@ -313,49 +330,49 @@ class System:
 
     @property
     def parameter_map(self) -> ParameterMap:
-        """Which numbers of p and of y0 a key of the scene is."""
+        """Map from keys of the scene to numbers of p and of y0."""
         return self._map
 
     @cached_property
     def scene(self) -> Scene:
-        """All of it as a scene, which is checked when it is first asked for."""
+        """The system as a scene, which is checked when it is first asked for."""
         if not self._changes:
             return self._base
         return self.source if self.t is None else freeze(self.source, self.t)
 
     @cached_property
-    def course(self) -> Course:
+    def time_functions(self) -> TimeLaws:
         """Functions of time of the system, over the span."""
-        return self._timed_by.course
+        return self._time_law_scene.time_functions
 
     @cached_property
-    def laws(self) -> dict[str, Expression]:
+    def expressions(self) -> dict[str, Expression]:
         """Parameters that change with time or with the motion, by name."""
-        return self._timed_by.expressions
+        return self._time_law_scene.expressions
 
     @cached_property
-    def timed(self) -> dict[str, Expression]:
+    def time_laws(self) -> dict[str, Expression]:
         """Parameters that change with time alone, by name."""
-        return self._timed_by.timed
+        return self._time_law_scene.time_laws
 
     @cached_property
-    def _timed_by(self) -> Scene:
-        """The scene that has its laws in time: that before numbers were put into p, where none of
-        these is in a law."""
+    def _time_law_scene(self) -> Scene:
+        """Scene that has its expressions in time: the one before numbers were put into p, where
+        none of these is in an expression."""
         slots = (self._map.slot(key) for key in self._changes)
         return self.scene if any(slot and slot.timed for slot in slots) else self._base
 
     @property
-    def unused(self) -> tuple[str, ...]:
+    def unused_names(self) -> tuple[str, ...]:
         """Sentences on the numbers and tables of the scene that no expression names."""
-        return self._source.unused
+        return self._source.unused_names
 
     @property
     def doubts(self) -> tuple[Note, ...]:
-        """What is doubtful about its numbers."""
-        unused = (doubt(words) for words in self.unused)
-        start = begun(self.structure, self.y0, lambda: self.scene.initial.phi)
-        return (*unused, *turned(self.structure, self.p, self.field), *start)
+        """Doubts about its numbers: unused names, and angles that look like degrees."""
+        unused = (doubt(words) for words in self.unused_names)
+        start = initial_angle_doubts(self.structure, self.y0, lambda: self.scene.initial.phi)
+        return (*unused, *angle_doubts(self.structure, self.p, self.key_of), *start)
 
     @property
     def name(self) -> str:
@@ -363,17 +380,17 @@ class System:
         return self._base.name
 
     @property
-    def hold(self) -> Boundary:
-        """How the start of the rod is held."""
-        return self._base.hold
+    def boundary_condition(self) -> Boundary:
+        """Boundary condition at the start of the rod."""
+        return self._base.boundary_condition
 
     @cached_property
-    def events(self) -> tuple[Event, ...]:
+    def events(self) -> tuple[EventTable, ...]:
         """Events that runs look out for."""
         return tuple(self._base.events)
 
     @cached_property
-    def added(self) -> tuple[str, ...]:
+    def extra_states(self) -> tuple[str, ...]:
         """Names of the states that are neither positions nor velocities."""
         return tuple(self._base.states)
 
@@ -382,40 +399,40 @@ class System:
         """Names of its loads."""
         return self._base.loads.terms
 
-    def values(self, name: str) -> Any:
+    def value(self, name: str) -> Any:
         """A parameter of the module, in SI units: a number, or an array of several.
 
         name: its name in the module.
         """
-        place = self.structure.places[name]
-        return self.p[place] if name in self.structure.spans else float(self.p[place.start])
+        place = self.structure.slices[name]
+        return self.p[place] if name in self.structure.index_ranges else float(self.p[place.start])
 
     @property
     def parameters(self) -> dict[str, Any]:
         """All parameters of the module by name, in SI units."""
-        return {name: self.values(name) for name in self.structure.places}
+        return {name: self.value(name) for name in self.structure.slices}
 
-    def field(self, name: str) -> str:
+    def key_of(self, name: str) -> str:
         """Where a parameter of the module stands in the scene, as a dotted name.
 
         name: its name in the module.
         """
-        return self._base.field(name)
+        return self._base.key_of(name)
 
     def model(self, target: str | None = None, parts: Iterable[str] = ("rhs",)) -> ModuleType:
-        """Its generated module, whose parts are made when they are asked for.
+        """Generated module of the system, whose parts are made when they are asked for.
 
         target: "c" or "numpy", by default C where it can be built; parts: what is made at once.
         Raises InputError and BuildError.
         """
-        key = target, tuple(parts), surroundings()
+        key = target, tuple(parts), build_environment()
         if key not in self._models:
             made = build_fastest(self.structure, parts) if target is None else None
             self._models[key] = made or build(self.structure, target or "", parts=parts)
         return self._models[key]
 
 
-def _column(key: str, value: ArrayLike) -> Array:
+def _to_column(key: str, value: ArrayLike) -> Array:
     """Values of a key as an array (rods,) or (1,). Raises InputError for what are no numbers."""
     try:
         array = np.atleast_1d(np.asarray(value))
@@ -427,5 +444,5 @@ def _column(key: str, value: ArrayLike) -> Array:
 
 
 def _overlaps(key: str, others: Mapping[str, Any]) -> bool:
-    """Whether one of some keys stands within this one, or this one within it."""
+    """Whether a key lies within one of others, or one of these within it."""
     return any(other.startswith(f"{key}.") or key.startswith(f"{other}.") for other in others)

@@ -36,7 +36,9 @@ CHANGES: dict[str, Callable[[Place], Any]] = {
     "header": lambda place: place.write(header=HEADER + "\n"),
     "flags": lambda place: place.patch.setenv("RODGEN_CFLAGS", "-O1"),
     "version": lambda place: place.compiler(answers=ANSWERS.replace("1.0", "1.1")),
-    "processor": lambda place: place.patch.setattr(library, "features", lambda: "flags: none"),
+    "processor": lambda place: place.patch.setattr(
+        library, "processor_features", lambda: "flags: none"
+    ),
     "Python": lambda place: place.patch.setattr(
         sysconfig, "get_config_var", lambda name: "cpython-399"
     ),

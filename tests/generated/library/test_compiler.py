@@ -40,7 +40,7 @@ def test_compiler_with_arguments(place: Place) -> None:
 def test_refused_flags_are_replaced(refused: str, used: str, place: Place) -> None:
     refuse = f'for a; do [ "$a" = {refused} ] && {{ echo unknown; exit 1; }}; done; '
     place.compiler(f'{refuse}exec {REAL} "$@"')
-    place.patch.setattr(library, "features", lambda: "flags: sse2 avx512f")
+    place.patch.setattr(library, "processor_features", lambda: "flags: sse2 avx512f")
     assert place.works(2)
     *before, last = place.built()
     assert before

@@ -9,7 +9,7 @@ from importlib.metadata import version
 from rich.console import Console
 from rich.table import Table
 
-from rodgen.progress import duration
+from rodgen.progress import format_duration
 
 
 class Times:
@@ -29,7 +29,7 @@ class Times:
             table.add_column(column, justify="left" if column in ("what", "beside") else "right")
         for what, seconds, other, its in self.rows:
             shown = f"{seconds / its:.3g}"
-            table.add_row(what, duration(seconds), other, duration(its), shown)
+            table.add_row(what, format_duration(seconds), other, format_duration(its), shown)
         console = Console()
         console.print(table)
         versions = ", ".join(f"{p} {version(p)}" for p in ("rodgen", "sympy", "numpy", "scipy"))

@@ -16,10 +16,10 @@ import psutil
 import xarray as xr
 
 from rodgen.studies import task
-from rodgen.studies.block import Block
-from rodgen.studies.block_arrays import Made
 from rodgen.studies.cluster import SETTINGS
-from rodgen.studies.keep import variables
+from rodgen.studies.kept_quantities import variables
+from rodgen.studies.point_arrays import PointArrays
+from rodgen.studies.point_results import PointResults
 from rodgen.studies.study import Study
 from rodgen_evidence.report.costs.rod import scene
 
@@ -60,11 +60,11 @@ class Empty(distributed.WorkerPlugin):  # type: ignore[misc]  # Dask has no type
 
 def nothing(
     study: Study, points: Sequence[Mapping[str, Any]], indices: Sequence[int] = ()
-) -> Block:
+) -> PointResults:
     """Points that are all finished, without a run."""
-    made = Made(variables(study), len(points))
+    made = PointArrays(variables(study), len(points))
     made.arrays["status"][:] = "finished"
-    return Block({name: np.asarray(values) for name, values in made.arrays.items()})
+    return PointResults({name: np.asarray(values) for name, values in made.arrays.items()})
 
 
 def same(a: xr.Dataset, b: xr.Dataset) -> bool:

@@ -49,7 +49,7 @@ def of_rodgen(span: int) -> Array:
     on = Variations.of(chain(2, float(span), TOLERANCE))
     total = np.zeros(4)
     for second in range(span):
-        on.on(second + 1.0)
+        on.advance_to(second + 1.0)
         q, r = np.linalg.qr(on.tangents.T)
         total += np.log(np.abs(np.diag(r)))
         on.tangents = q.T

@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 
 import rodgen
-from rodgen.native import many as native
+from rodgen.native import native_batch as native
 from rodgen.system import System
 from rodgen_evidence.benchmarks import Times
 from rodgen_evidence.report.costs.rod import VALUES, Array, scene
@@ -41,26 +41,26 @@ def one_by_one(model: ModuleType, p: Array, y0: Array, t: Array) -> None:
     for of_rod in p:
         run = model.Run("dop853", 0.0, y0, of_rod, 0.0, RTOL, 1e-10)
         run.begin(end)
-        run.on(10**7, t, np.empty((len(t), len(run.state))))
+        run.advance(10**7, t, np.empty((len(t), len(run.state))))
 
 
 @contextmanager
 def inside() -> Iterator[list[float]]:
     """Processor times of this process in the step loops of C, call by call [s]."""
     taken: list[float] = []
-    work = native.Block.work
+    work = native.RunBatch.run
 
-    def timed(self: native.Block, take: Any) -> bool:
+    def timed(self: native.RunBatch, take: Any) -> bool:
         start = time.process_time()
         done = work(self, take)
         taken.append(time.process_time() - start)
         return done
 
-    native.Block.work = timed  # type: ignore[method-assign]  # is timed, as it is
+    native.RunBatch.run = timed  # type: ignore[method-assign]  # is timed, as it is
     try:
         yield taken
     finally:
-        native.Block.work = work  # type: ignore[method-assign]  # as it was
+        native.RunBatch.run = work  # type: ignore[method-assign]  # as it was
 
 
 def prepared(model: ModuleType, p: Array, y0: Array, keep: Sequence[str]) -> tuple[float, float]:
@@ -79,7 +79,7 @@ def measure(times: Times, links: int, rods: int, rounds: int) -> None:
     of = scene(links).with_integrate(**SETTINGS)
     system = System(of)
     model = rodgen.build(of, "c", parts=("rhs", "flow", "power", "lanes"))
-    y0, t = of.initial_state(), of.integrate.samples
+    y0, t = of.initial_state(), of.integrate.sample_times
     p = np.tile(model.parameters(**of.parameters), (rods, 1))
     thrusts = np.linspace(0.5, 1.5, rods) * VALUES["follower_force"]
     p[:, model.PARAMETERS.index("follower_force")] = thrusts

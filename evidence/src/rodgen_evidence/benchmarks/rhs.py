@@ -43,7 +43,7 @@ def tapered(links: int, y: Array) -> Batch:
     ]
     made = rodgen.Scene.from_dict(table)
     p = rodgen.build(made).parameters(**made.parameters)
-    return rates.native(links, made.structure.uneven).batch(y, p)
+    return rates.native(links, made.structure.nonuniform).batch(y, p)
 
 
 def rhs(sizes: Sequence[int] = (5, 20, 50, 200, 1000), peers: bool = True) -> Times:

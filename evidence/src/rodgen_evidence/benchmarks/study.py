@@ -12,8 +12,8 @@ import numpy as np
 
 import rodgen
 from rodgen.studies import adaptive
-from rodgen.studies.block import evaluate
-from rodgen.studies.points import points
+from rodgen.studies.point_results import evaluate
+from rodgen.studies.sampling import points_at
 from rodgen.studies.study import Study
 from rodgen.system import System
 from rodgen_evidence.benchmarks import Times
@@ -37,7 +37,7 @@ LIMIT = 240.0  # s, for a whole map on two cores
 
 def computed(study: Study, at: list[int]) -> dict[str, Any]:
     """What is kept of some points."""
-    return evaluate(study, points(study, at), at).arrays
+    return evaluate(study, points_at(study, at), at).arrays
 
 
 def runs(times: Times, count: int, span: float) -> None:
@@ -84,7 +84,7 @@ def border(times: Times, size: int) -> None:
     computed(study, some[:2].tolist())
     point = best(1, lambda: computed(study, some.tolist())) / len(some)
     start = time.process_time()
-    steps, values = adaptive.rounds(study), None
+    steps, values = adaptive.refinement_rounds(study), None
     while True:
         try:
             values = computed(study, next(steps) if values is None else steps.send(values))

@@ -21,10 +21,10 @@ import numpy as np
 import psutil
 
 from rodgen.studies import task
-from rodgen.studies.block import evaluate
-from rodgen.studies.engine import BLOCK, run, size_of
-from rodgen.studies.points import points
-from rodgen.studies.store import Store, read
+from rodgen.studies.engine import BLOCK, block_size, run_study
+from rodgen.studies.point_results import evaluate
+from rodgen.studies.sampling import points_at
+from rodgen.studies.store import StudyStore, read_store
 from rodgen.studies.study import Study
 from rodgen_evidence.benchmarks import Times
 from rodgen_evidence.benchmarks.clusters import (
@@ -49,7 +49,7 @@ def span_of(seconds: float = RUN, some: int = 64) -> float:
     span = 5.0
     for _ in range(2):
         study = study_of(some, span)
-        given = points(study, range(some))
+        given = points_at(study, range(some))
         evaluate(study, given[:8])
         start = time.process_time()
         evaluate(study, given)
@@ -60,7 +60,7 @@ def span_of(seconds: float = RUN, some: int = 64) -> float:
 def in_c(study: Study) -> float:
     """Processor time of the runs of a study in the step loops of C, of some made all [s]."""
     some = min(study.count, 400)
-    given = points(study, np.linspace(0, study.count - 1, some, dtype=int).tolist())
+    given = points_at(study, np.linspace(0, study.count - 1, some, dtype=int).tolist())
     evaluate(study, given[:8])
     with inside() as taken:
         evaluate(study, given)
@@ -73,7 +73,7 @@ def chosen(times: Times, folder: Path, count: int, span: float, turns: int = 3) 
     for turn in range(turns):
         owns.append(in_c(study))
         start = ended()
-        run(study, folder / f"chosen{turn}.zarr")
+        run_study(study, folder / f"chosen{turn}.zarr")
         wholes.append(ended() - start)
     times.add(f"{count} runs as a study", min(wholes), "in C", min(owns))
 
@@ -83,17 +83,17 @@ def whole(times: Times, folder: Path, count: int, span: float) -> None:
     the share that the engine and the store take."""
     study, path = study_of(count, span), folder / f"whole{count}.zarr"
     own, start = in_c(study), ended()
-    run(study, path, workers=WORKERS)
+    run_study(study, path, workers=WORKERS)
     taken = ended() - start
-    points_own = float(read(path)["seconds"].sum())
+    points_own = float(read_store(path)["seconds"].sum())
     times.add(f"{count} runs as a study, {WORKERS} workers, from start to end", taken, "in C", own)
     times.add(f"of it {WORKERS} workers started, engine, store", taken - points_own, "all", taken)
     with workers(WORKERS) as address:
-        run(study_of(20, span), folder / f"warm{count}.zarr", scheduler=address)
+        run_study(study_of(20, span), folder / f"warm{count}.zarr", scheduler=address)
         start = spent()
-        run(study, path.with_suffix(".again"), scheduler=address)
+        run_study(study, path.with_suffix(".again"), scheduler=address)
         taken = spent() - start
-    points_own = float(read(path.with_suffix(".again"))["seconds"].sum())
+    points_own = float(read_store(path.with_suffix(".again"))["seconds"].sum())
     times.add(f"{count} runs: engine and store, workers there", taken - points_own, "all", taken)
 
 
@@ -102,15 +102,18 @@ def tasks(times: Times, folder: Path, count: int) -> None:
     study = study_of(count)
     with workers(WORKERS, Empty()) as address:
         store = folder / "tasks.zarr"
-        Store.make(store, study, 1)
-        run(study_of(20), folder / "few.zarr", scheduler=address)
+        StudyStore.create(store, study, 1)
+        run_study(study_of(20), folder / "few.zarr", scheduler=address)
         start = spent()
-        run(study, store, scheduler=address, resume=True)
+        run_study(study, store, scheduler=address, resume=True)
         each = (spent() - start) / count
     start = time.process_time()
-    made, arrays = Store.make(folder / "chunks.zarr", study, 1), task.computed(study, [0])
+    made, arrays = (
+        StudyStore.create(folder / "chunks.zarr", study, 1),
+        task.compute_points(study, [0]),
+    )
     for block in range(min(100, count)):
-        made.write(block, points(study, [block]), arrays)
+        made.write_block(block, points_at(study, [block]), arrays)
     chunks = (time.process_time() - start) / min(100, count)
     times.add("a task and its chunks, all processes", each, "a block", BLOCK)
     times.add("chunks of a block", chunks, "the task with them", each)
@@ -126,8 +129,8 @@ def memory(count: int, axes: int) -> tuple[float, float]:
     study = Study.of(study_of(1).system, vary, keep=KEEP)
     with tempfile.TemporaryDirectory() as made, workers(WORKERS, Empty()) as address:
         path = Path(made, "memory.zarr")
-        Store.make(path, study, size_of(study, 1e-4, WORKERS))
-        run(study, path, scheduler=address, resume=True)
+        StudyStore.create(path, study, block_size(study, 1e-4, WORKERS))
+        run_study(study, path, scheduler=address, resume=True)
         this = psutil.Process()
         return peak(this.pid), max(peak(one.pid) for one in this.children(recursive=True))
 

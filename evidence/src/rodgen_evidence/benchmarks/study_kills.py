@@ -27,7 +27,7 @@ import numpy as np
 import psutil
 
 import rodgen
-from rodgen.studies.store import Store, read
+from rodgen.studies.store import StudyStore, read_store
 from rodgen.studies.study import Study
 from rodgen_evidence.benchmarks.clusters import same
 
@@ -71,7 +71,7 @@ def workers_of(client: psutil.Process) -> list[psutil.Process]:
     return [one for one in client.children() if "--multiprocessing-fork" in one.cmdline()]
 
 
-def disturbed(file: Path, store: Store, chance: random.Random, kills: int) -> list[int]:
+def disturbed(file: Path, store: StudyStore, chance: random.Random, kills: int) -> list[int]:
     """Compute a study under kills: how many workers were killed, and of every client that was, how
     many points it left."""
     command = [sys.executable, "-m", "rodgen", "study", str(file), "--out", str(file.parent)]
@@ -88,7 +88,7 @@ def disturbed(file: Path, store: Store, chance: random.Random, kills: int) -> li
                     this.send_signal(signal.SIGKILL)
                     if client.wait() != -signal.SIGKILL:
                         continue  # it was done just before
-                    left.append(int((read(store.path)["status"].values != "").sum()))
+                    left.append(int((read_store(store.path)["status"].values != "").sum()))
                 elif own:
                     chance.choice(own).send_signal(signal.SIGKILL)
                     killed += 1
@@ -101,14 +101,14 @@ def disturbed(file: Path, store: Store, chance: random.Random, kills: int) -> li
             raise RuntimeError(f"a client ended with {client.returncode}: {err}")
 
 
-def _pause(client: subprocess.Popen[str], store: Store, chance: random.Random) -> None:
+def _pause(client: subprocess.Popen[str], store: StudyStore, chance: random.Random) -> None:
     """Wait for some time, or until some blocks are done: a client that goes on takes seconds until
     it computes, so that by time alone most kills would be of those that have not begun."""
     if chance.random() < 0.5:
         time.sleep(chance.uniform(0.0, PAUSE))
         return
-    wanted = store.done().sum() + chance.uniform(1.0, max(1.0, STRETCH * store.layout.count))
-    while client.poll() is None and store.done().sum() < wanted:
+    wanted = store.done_blocks().sum() + chance.uniform(1.0, max(1.0, STRETCH * store.layout.count))
+    while client.poll() is None and store.done_blocks().sum() < wanted:
         time.sleep(chance.uniform(0.0, 0.1))
 
 
@@ -119,9 +119,9 @@ def outcome(seed: int, points: int = POINTS, span: float = 12.0, kills: int = KI
         file = Path(made, "study.toml")
         file.write_text(FILE.format(points=points, seed=seed, span=span))
         study = Study.from_toml(file)
-        store = Store.make(Path(made, "killed", "study.zarr"), study, BLOCK)
+        store = StudyStore.create(Path(made, "killed", "study.zarr"), study, BLOCK)
         workers, *kept = disturbed(file, store, chance, kills)
-        found, expected = read(store.path), rodgen.study(study, workers=1)
+        found, expected = read_store(store.path), rodgen.study(study, workers=1)
         there = bool(np.all(found["status"].values == "finished"))
         return Outcome(workers, len(kept), there and same(found, expected), tuple(kept))
 

@@ -28,7 +28,7 @@ import psutil
 
 from rodgen.studies import task
 from rodgen.studies.cluster import SETTINGS, Cluster
-from rodgen.studies.store import Store
+from rodgen.studies.store import StudyStore
 from rodgen_evidence.benchmarks.clusters import peak, study_of
 
 MARKS = 20  # lines that are printed, and one at each power of ten
@@ -39,7 +39,7 @@ class Idle(distributed.WorkerPlugin):  # type: ignore[misc]  # Dask has no types
     """Blocks that are done without a look at them."""
 
     def setup(self, worker: Any) -> None:
-        vars(task)["compute"] = lambda store, block: task.Done(block, 1, 0)
+        vars(task)["compute_block"] = lambda store, block: task.BlockOutcome(block, 1, 0)
 
 
 @contextmanager
@@ -93,11 +93,11 @@ def study_load(count: int = 10**6, workers: int = 2, seconds: float = 3600.0) ->
     each: list[float] = []
     with tempfile.TemporaryDirectory() as made:
         folder = Path(made)
-        store = Store.make(folder / "study.zarr", study_of(1), 1)
+        store = StudyStore.create(folder / "study.zarr", study_of(1), 1)
         with processes(workers, folder) as (address, pids), Cluster(workers, address) as cluster:
             of = [*pids, os.getpid()]
             marks = {10**n for n in range(2, 9)} | {count * n // MARKS for n in range(1, MARKS + 1)}
-            work = cluster.compute(store, iter(range(FIRST + count)), {})
+            work = cluster.compute_blocks(store, iter(range(FIRST + count)), {})
             deque(islice(work, FIRST), maxlen=0)
             begun, before = time.monotonic(), used(of)
             for done, _ in enumerate(work, 1):

@@ -21,9 +21,9 @@ import distributed
 import xarray as xr
 
 from rodgen.studies import task
-from rodgen.studies.block import Block
-from rodgen.studies.engine import BLOCK, run
-from rodgen.studies.store import Store, read
+from rodgen.studies.engine import BLOCK, run_study
+from rodgen.studies.point_results import PointResults
+from rodgen.studies.store import StudyStore, read_store
 from rodgen.studies.study import Study
 from rodgen_evidence.benchmarks.clusters import nothing, same, study_of, workers
 from rodgen_evidence.benchmarks.study_engine import span_of
@@ -41,7 +41,7 @@ class Waiting(distributed.WorkerPlugin):  # type: ignore[misc]  # Dask has no ty
     def setup(self, worker: Any) -> None:
         def wait(
             study: Study, points: Sequence[Mapping[str, Any]], indices: Sequence[int] = ()
-        ) -> Block:
+        ) -> PointResults:
             time.sleep(self.seconds)
             return nothing(study, points, indices)
 
@@ -54,10 +54,10 @@ def taken(study: Study, size: int, count: int, seconds: float | None = None) -> 
     plugin = None if seconds is None else Waiting(seconds)
     with tempfile.TemporaryDirectory() as made, workers(count, plugin) as address:
         path = Path(made, "study.zarr")
-        Store.make(path, study, size)
-        run(study_of(4 * count), Path(made, "warm.zarr"), scheduler=address)
+        StudyStore.create(path, study, size)
+        run_study(study_of(4 * count), Path(made, "warm.zarr"), scheduler=address)
         start = time.perf_counter()
-        run(study, path, scheduler=address, resume=True)
+        run_study(study, path, scheduler=address, resume=True)
         return time.perf_counter() - start
 
 
@@ -94,9 +94,9 @@ def bits(
 
 
 def _read(study: Study, path: Path, size: int, **how: Any) -> xr.Dataset:
-    Store.make(path, study, size)
-    run(study, path, resume=True, **how)
-    return read(path)
+    StudyStore.create(path, study, size)
+    run_study(study, path, resume=True, **how)
+    return read_store(path)
 
 
 def main() -> None:

@@ -9,8 +9,8 @@ from typing import Annotated
 import typer
 from rich.table import Table
 
-from rodgen.cli.console import err, out, working
-from rodgen.cli.results import writable
+from rodgen.cli.console import err, out, show_work
+from rodgen.cli.result_folders import make_writable
 
 
 def audit(
@@ -26,9 +26,9 @@ def audit(
     from rodgen_evidence.thesis.audit import audit as thesis
     from rodgen_evidence.thesis.audit.java_steppers import stepper_orders
 
-    folder = writable(out_folder)
+    folder = make_writable(out_folder)
     claims = len(thesis.equation_claims()) + len(thesis.listing_claims())
-    with working("comparing", claims + 1) as step:
+    with show_work("comparing", claims + 1) as step:
         findings = thesis.audit(step)
         orders = stepper_orders()
         step("orders of the steppers")

@@ -10,9 +10,9 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from rodgen.cli.console import out, working
-from rodgen.cli.errors import FAILED_RUN, fail
-from rodgen.cli.results import writable
+from rodgen.cli.console import out, show_work
+from rodgen.cli.error_reports import FAILED_RUN, fail
+from rodgen.cli.result_folders import make_writable
 from rodgen.errors import InputError
 from rodgen.scene import Scene
 
@@ -53,11 +53,11 @@ def report(
     chosen = only or list(OF_SCENES if scene_files else SECTIONS)
     if unknown := [name for name in chosen if name not in SECTIONS]:
         raise InputError("--only", unknown[0], f"one of {', '.join(SECTIONS)}")
-    folder = writable(out_folder)
+    folder = make_writable(out_folder)
     signal.signal(signal.SIGTERM, lambda *_: signal.raise_signal(signal.SIGINT))
     begin = time.perf_counter()
     failures: Counter[str] = Counter()
-    with working("measuring") as step:
+    with show_work("measuring") as step:
 
         def done(one: Measured) -> None:
             failures[one.section] += bool(one.failed)

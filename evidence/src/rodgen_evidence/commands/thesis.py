@@ -9,8 +9,8 @@ from typing import Annotated
 import typer
 from rich.table import Table
 
-from rodgen.cli.console import out, working
-from rodgen.cli.results import writable
+from rodgen.cli.console import out, show_work
+from rodgen.cli.result_folders import make_writable
 
 
 def thesis(
@@ -22,9 +22,9 @@ def thesis(
     from rodgen_evidence.pages.thesis_page import deviations, summary, write_thesis
     from rodgen_evidence.thesis.rebuild import TABLES, rebuild
 
-    folder = writable(out_folder)
+    folder = make_writable(out_folder)
     begin = time.perf_counter()
-    with working("rebuilding", len(TABLES)) as step:
+    with show_work("rebuilding", len(TABLES)) as step:
         tables = rebuild(lambda number: step(f"table {number}"))
     page = write_thesis(folder, tables, time.perf_counter() - begin)
     shown = Table(title="the thesis rebuilt")

@@ -19,8 +19,8 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 import rodgen
-from rodgen.analyse.cycles.hopf_start import first_hopf
-from rodgen.analyse.cycles.search import Search
+from rodgen.analyse.cycles.cycle_search import CycleSearch
+from rodgen.analyse.cycles.hopf_points import first_hopf
 from rodgen.system import ParameterRange, System
 from rodgen_evidence.figures.model_figures import STYLE
 from rodgen_evidence.figures.model_parts import FORCE, GUIDE
@@ -51,7 +51,7 @@ def rod(scene: rodgen.Scene, links: int, column: Column) -> rodgen.Scene:
 
 def onset(scene: rodgen.Scene, ends: tuple[float, float] = (0.5, 60.0)) -> Onset:
     """The first Hopf point of a scene along its thrust, by rodgen's normal form."""
-    search = Search.of(System(scene))
+    search = CycleSearch.of(System(scene))
     hopf, _ = first_hopf(search, ParameterRange(search.system, KEY, ends))
     turn = -hopf.coefficient.real / hopf.slope.real
     return Onset(hopf.value, hopf.frequency, turn)

@@ -15,7 +15,7 @@ from matplotlib import rc_context
 from matplotlib.figure import Figure
 
 from rodgen.loading.cache import write_whole
-from rodgen.model.palette import DARK, LIGHT, shades
+from rodgen.model.palette import DARK, LIGHT, colours_of
 
 PAGE = "index.html"
 
@@ -51,7 +51,7 @@ Part = dict[str, Any]
 BRIGHT = {
     light: dark
     for name in ("ink", "faint", "axis", "series")
-    for light, dark in zip(shades(name, LIGHT), shades(name, DARK), strict=True)
+    for light, dark in zip(colours_of(name, LIGHT), colours_of(name, DARK), strict=True)
 }
 
 

@@ -12,9 +12,16 @@ from matplotlib.figure import Figure
 from pandas import DataFrame
 
 from rodgen.analyse.precision.contestant import Measurement
-from rodgen.analyse.precision.rows import fine, number, setting
+from rodgen.analyse.precision.rows import format_setting, has_result, read_number
 from rodgen.show.canvas import INK, SERIES
-from rodgen.show.precision_pictures import OURS, axes, legend, logarithmic, look, own
+from rodgen.show.precision_pictures import (
+    OURS,
+    add_legend,
+    label_logarithmic,
+    line_style,
+    make_diagram,
+    own_style,
+)
 from rodgen_evidence.report.contents import Contents, of
 from rodgen_evidence.report.precision.growth import curve, growth_line
 from rodgen_evidence.report.precision.orders import finest
@@ -54,22 +61,22 @@ ORDERS_OF = "free_n20"  # the scene on which orders are looked at
 
 def growth(rows: Sequence[Measurement]) -> Figure | None:
     """How errors grow in time, with the exponential fitted to them."""
-    shown = [row for row in rows if fine(row) and len(curve(row, "t"))]
+    shown = [row for row in rows if has_result(row) and len(curve(row, "t"))]
     if not shown:
         return None
-    figure, frame = axes(WIDTH, HEIGHT, "t [s]", "largest error of an angle [rad]")
+    figure, frame = make_diagram(WIDTH, HEIGHT, "t [s]", "largest error of an angle [rad]")
     frame.set_yscale("log")
     for at, row in enumerate(shown):
-        style, error = look(row), curve(row, "error")
+        style, error = line_style(row), curve(row, "error")
         line = style.line | {"marker": "", "linestyle": LINES[at % len(LINES)]}
-        name = ", ".join(filter(None, (style.label, setting(row))))
+        name = ", ".join(filter(None, (style.label, format_setting(row))))
         frame.plot(curve(row, "t"), np.where(error == 0, math.nan, error), label=name, **line)
         fitted = growth_line(row)
         if fitted:
-            name = f"exp({number(row, 'rate'):.3g} t)"
+            name = f"exp({read_number(row, 'rate'):.3g} t)"
             frame.plot(*fitted, "--", color=INK, linewidth=1.0, zorder=4, label=name)
-    logarithmic(frame, x=False)
-    return legend(figure, 2)
+    label_logarithmic(frame, x=False)
+    return add_legend(figure, 2)
 
 
 def against_n(rows: DataFrame) -> Figure | None:
@@ -77,20 +84,20 @@ def against_n(rows: DataFrame) -> Figure | None:
     shown = rows[(rows["failed"] == "") & (rows["seconds"] > 0)].sort_values("n", kind="stable")
     if shown.empty:
         return None
-    figure, frame = axes(4.2, 3.4, "links n", "time [s]")
+    figure, frame = make_diagram(4.2, 3.4, "links n", "time [s]")
     frame.set(xscale="log", yscale="log")
     for name in rows.loc[shown.index.sort_values(), "who"].unique():
         line = shown[shown["who"] == name]
         frame.plot(line["n"], line["seconds"], label=name, **_look_of_who(name))
-    logarithmic(frame)
-    return legend(figure, 2)
+    label_logarithmic(frame)
+    return add_legend(figure, 2)
 
 
 def saved(ratios: DataFrame) -> Figure | None:
     """How many times as much every term at zero costs, by scene."""
     if ratios.empty:
         return None
-    figure, frame = axes(WIDTH, 1.1 + 0.62 * len(ratios), "times as much", "")
+    figure, frame = make_diagram(WIDTH, 1.1 + 0.62 * len(ratios), "times as much", "")
     thick = 0.8 / len(SAVED)
     for at, (key, name) in enumerate(SAVED.items()):
         places = np.arange(len(ratios)) + (at - (len(SAVED) - 1) / 2) * thick
@@ -99,7 +106,7 @@ def saved(ratios: DataFrame) -> Figure | None:
     frame.axvline(1, color=INK, linewidth=0.8)
     frame.invert_yaxis()
     frame.grid(visible=False, axis="y")
-    return legend(figure)
+    return add_legend(figure)
 
 
 def largest_steps(rows: DataFrame) -> Figure | None:
@@ -107,25 +114,25 @@ def largest_steps(rows: DataFrame) -> Figure | None:
     shown = rows[(rows["failed"] == "") & (rows["found"] > 0)]
     if shown.empty:
         return None
-    figure, frame = axes(4.2, 3.4, "links n", "largest stable step [s]")
+    figure, frame = make_diagram(4.2, 3.4, "links n", "largest stable step [s]")
     frame.set(xscale="log", yscale="log")
     for name, some in shown.groupby("method", sort=False):
         line = some.sort_values("n", kind="stable")
-        colour = look({"method": name}).line["color"]
+        colour = line_style({"method": name}).line["color"]
         # A variant of a method lies on the method itself: a ring around the dot.
         ring = {"markerfacecolor": "none", "markersize": 8} if "," in name else {"markersize": 4.5}
         frame.plot(line["n"], line["found"], "o", color=colour, label=name, **ring)
         theory = line["theory"].replace(0.0, math.nan)
         frame.plot(line["n"], theory, "-", color=colour, linewidth=1.0, alpha=0.8)
-    logarithmic(frame)
-    return legend(figure, 2)
+    label_logarithmic(frame)
+    return add_legend(figure, 2)
 
 
 def fixed_steps(contents: Contents) -> dict[str, list[Measurement]]:
     """Runs in C with fixed steps, by method."""
     rows = of(contents, "precision", scene=ORDERS_OF, kind="step", who="rodgen", target="c")
     by: dict[str, list[Measurement]] = {}
-    for row in filter(fine, rows):
+    for row in filter(has_result, rows):
         by.setdefault(str(row["method"]), []).append(row)
     return by
 
@@ -135,19 +142,19 @@ def orders(contents: Contents) -> Figure | None:
     by_method = fixed_steps(contents)
     if not by_method:
         return None
-    figure, frame = axes(5.6, 4.0, "step [s]", "error of the angles at the end [rad]")
+    figure, frame = make_diagram(5.6, 4.0, "step [s]", "error of the angles at the end [rad]")
     frame.set(xscale="log", yscale="log")
     for method, some in by_method.items():
-        shown = sorted((number(r, "setting"), number(r, "error_phi")) for r in some)
+        shown = sorted((read_number(r, "setting"), read_number(r, "error_phi")) for r in some)
         shown = [(step, error) for step, error in shown if 0 < error < 10]
         slope, found = finest(some), method
         if slope is not None:
-            order = number(some[0], "order")
+            order = read_number(some[0], "order")
             found = f"{method}: slope of the last two {slope:.2f} (order {order:g})"
         steps, errors = zip(*shown, strict=True) if shown else ((), ())
-        frame.plot(steps, errors, label=found, **look(some[0]).line)
-    logarithmic(frame)
-    return legend(figure, 1)
+        frame.plot(steps, errors, label=found, **line_style(some[0]).line)
+    label_logarithmic(frame)
+    return add_legend(figure, 1)
 
 
 def extremes(rows: DataFrame) -> Figure | None:
@@ -157,7 +164,7 @@ def extremes(rows: DataFrame) -> Figure | None:
     if rows.empty:
         return None
     groups, methods = (list(rows[key].unique()) for key in ("group", "label"))
-    figure, frame = axes(1.9 + 0.62 * len(methods), 1.6 + 0.27 * len(groups), "", "")
+    figure, frame = make_diagram(1.9 + 0.62 * len(methods), 1.6 + 0.27 * len(groups), "", "")
     frame.grid(visible=False)
     for (group, method), some in rows.groupby(["group", "label"], sort=False)["outcome"]:
         at, across = groups.index(group), methods.index(method)
@@ -173,15 +180,15 @@ def extremes(rows: DataFrame) -> Figure | None:
     frame.tick_params(length=0)
     for name, colour in COLOURS.items():
         frame.fill_between([], [], [], color=colour, label=name)
-    return legend(figure, 6)
+    return add_legend(figure, 6)
 
 
 def _look_of_who(name: str) -> dict[str, Any]:
     """Ours in colour, by method, form or target; others as everywhere."""
     words = re.split(r"[^a-z0-9_]+", name.lower())
     if words[0] not in ("rodgen", "c", "numpy"):
-        return look({"who": re.split(r"[ ,]", name)[0], "method": name}).line
-    looks = {**{method: own(method) for method in OURS}, **OF_FORM}
+        return line_style({"who": re.split(r"[ ,]", name)[0], "method": name}).line
+    looks = {**{method: own_style(method) for method in OURS}, **OF_FORM}
     shown = [one for word, one in looks.items() if word in words]
     colour, mark = shown[0] if shown else (OF_RODGEN, "o")
     return {"color": colour, "marker": mark, "markersize": 4, "linewidth": 1.4}

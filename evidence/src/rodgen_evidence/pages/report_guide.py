@@ -14,9 +14,9 @@ from matplotlib import rc_context
 from matplotlib.figure import Figure
 
 from rodgen.analyse.precision.contestant import Measurement
-from rodgen.analyse.precision.rows import fine, number, short, text
+from rodgen.analyse.precision.rows import format_short, has_result, read_number, read_text
 from rodgen.loading.cache import write_whole
-from rodgen.progress import duration
+from rodgen.progress import format_duration
 from rodgen.show.precision_pictures import work_precision
 from rodgen_evidence.pages import report_curves as curves
 from rodgen_evidence.pages.report_matrix import legend
@@ -33,8 +33,8 @@ FORMS = {"c": "C", "numpy chain": "NumPy", "numpy dense": "NumPy, dense form"}
 
 def rates(contents: Contents) -> list[str]:
     """How many times as long rhs takes in NumPy as in C, and how all of them grow."""
-    rows = [row for row in of(contents, "costs", what="rhs") if fine(row)]
-    by = {(row["who"], row["n"]): number(row, "seconds") for row in rows}
+    rows = [row for row in of(contents, "costs", what="rhs") if has_result(row)]
+    by = {(row["who"], row["n"]): read_number(row, "seconds") for row in rows}
     found = fits(frame(rows)).set_index("who")
     body = []
     for who, shown in (
@@ -59,7 +59,7 @@ def orders(contents: Contents) -> list[str]:
     for method, some in curves.fixed_steps(contents).items():
         slope = finest(some)
         shown = "-" if slope is None else f"{slope:.2f}"
-        body.append([f"`{method}`", f"{number(some[0], 'order'):g}", shown])
+        body.append([f"`{method}`", f"{read_number(some[0], 'order'):g}", shown])
     return _table(("method", "order", "between its two smallest steps"), body)
 
 
@@ -83,22 +83,22 @@ def extremes(contents: Contents) -> list[str]:
 
 def rounding(contents: Contents) -> list[str]:
     """The largest errors of rhs by group, and where the C target has its."""
-    rows = frame(filter(fine, of(contents, "rounding")))
+    rows = frame(filter(has_result, of(contents, "rounding")))
     body = []
     for group, some in rows.groupby("group", sort=False):
         worst = some.loc[some.groupby("form")["ulps"].idxmax()].set_index("form")
         if "c" not in worst.index:
             continue
         ours, ulps = worst.loc["c"], worst["ulps"].reindex(list(FORMS))
-        cells = ["-" if math.isnan(error) else short(error, ".2g") for error in ulps]
+        cells = ["-" if math.isnan(error) else format_short(error, ".2g") for error in ulps]
         where = f"{ours['case']} ({ours['kind']}, {ours['n']:g} links)"
-        body.append([group, *cells, where, short(ours["ulps_input"], ".2g")])
+        body.append([group, *cells, where, format_short(ours["ulps_input"], ".2g")])
     head = ("units in the last place", *FORMS.values(), "where the C target has it")
     return _table((*head, "unavoidable there"), body)
 
 
 def _times(value: float) -> str:
-    return short(value, ".3g" if value >= 10 else ".2g") if math.isfinite(value) else "-"
+    return format_short(value, ".3g" if value >= 10 else ".2g") if math.isfinite(value) else "-"
 
 
 def _table(head: Sequence[str], body: Iterable[Sequence[str]]) -> list[str]:
@@ -128,14 +128,16 @@ WHOLE = (
 
 def speed(contents: Contents) -> list[str]:
     """Whole integrations at equal error, and costs against n."""
-    duels = [row for row in of(contents, "equal_error", asked=ASKED) if fine(row)]
-    costs = [row for row in of(contents, "costs") if fine(row)]
-    by = {(row["what"], row["who"], row["n"]): number(row, "seconds") for row in costs}
-    peers = sorted({text(row, "who") for row in costs if not text(row, "who").startswith("rodgen")})
+    duels = [row for row in of(contents, "equal_error", asked=ASKED) if has_result(row)]
+    costs = [row for row in of(contents, "costs") if has_result(row)]
+    by = {(row["what"], row["who"], row["n"]): read_number(row, "seconds") for row in costs}
+    peers = sorted(
+        {read_text(row, "who") for row in costs if not read_text(row, "who").startswith("rodgen")}
+    )
     evaluations = EVALUATIONS | {who: SHOWN.get(who, who) for who in peers}
 
     def line(what: str, who: str, shown: str) -> list[str]:
-        return [shown, *(duration(by.get((what, who, n), math.nan)) for n in SIZES)]
+        return [shown, *(format_duration(by.get((what, who, n), math.nan)) for n in SIZES)]
 
     ours, theirs = ("rodgen", "rhs", "time"), ("fastest of the peers", "rhs", "time")
     runs, links = of(contents, "precision"), [f"n={n}" for n in SIZES]
@@ -152,11 +154,11 @@ def speed(contents: Contents) -> list[str]:
 
 
 def _duel(row: Measurement, runs: Sequence[Measurement]) -> list[str]:
-    cells = [f"`{text(row, 'scene')}`", text(row, "n")]
+    cells = [f"`{read_text(row, 'scene')}`", read_text(row, "n")]
     for who in ("ours", "theirs"):
-        seconds = duration(number(row, f"{who}_seconds"))
-        cells += [text(row, who), _evaluations(row, who, runs), seconds]
-    return [*cells, f"{number(row, 'ratio'):.2g}"]
+        seconds = format_duration(read_number(row, f"{who}_seconds"))
+        cells += [read_text(row, who), _evaluations(row, who, runs), seconds]
+    return [*cells, f"{read_number(row, 'ratio'):.2g}"]
 
 
 def _evaluations(row: Measurement, who: str, runs: Sequence[Measurement]) -> str:

@@ -12,7 +12,7 @@ from typing import Any
 from pandas import DataFrame
 
 from rodgen.analyse.precision.contestant import Measurement
-from rodgen.analyse.precision.rows import short
+from rodgen.analyse.precision.rows import format_short
 from rodgen.loading.cache import write_whole
 from rodgen_evidence.pages.folder import PAGE, Pictures, put_whole, render
 from rodgen_evidence.pages.report_parts import parts, scene_part
@@ -54,7 +54,8 @@ def write_report(folder: Path, contents: Contents, made: Mapping[str, Any]) -> P
 def html(contents: Contents, made: Mapping[str, Any], pictures: Pictures) -> str:
     """The page; its pictures are drawn on the way."""
     asked = [
-        Column(error, f"error {error} rad", words) for error in (short(e, ".0e") for e in ASKED)
+        Column(error, f"error {error} rad", words)
+        for error in (format_short(e, ".0e") for e in ASKED)
     ]
     wrong = frame(of(contents, "extremes", outcome="wrong"))
     run = scenes(contents) if contents.get("precision") else []

@@ -7,7 +7,7 @@ from typing import Any
 from pandas import DataFrame
 
 from rodgen.analyse.precision.contestant import Measurement
-from rodgen.analyse.precision.rows import front, label
+from rodgen.analyse.precision.rows import format_label, pareto_front
 from rodgen.show import precision_pictures as figures
 from rodgen_evidence.pages import report_curves as curves
 from rodgen_evidence.pages import report_matrix as matrix
@@ -72,7 +72,7 @@ def _figures(
     shown = []
     for measure, title in figures.MEASURES.items():
         limit = trusted(contents, scene, measure)
-        count = len({label(row) for row in figures.drawn(rows, measure, "seconds")})
+        count = len({format_label(row) for row in figures.drawable_rows(rows, measure, "seconds")})
         caption = f"Run time against the {title}"
         best = _said(rows, measure, limit)
         alt = f"{scene}: run time of {count} methods against the {title}. {best}"
@@ -80,11 +80,11 @@ def _figures(
         figure = (
             figures.work_precision(rows, measure, limit)
             if main
-            else figures.small(rows, measure, "seconds", limit)
+            else figures.small_diagram(rows, measure, "seconds", limit)
         )
         name = f"{scene}-{measure.removeprefix('error_')}"
         shown.append(pictures.save(figure, name, caption, alt, large=main))
-    figure = figures.small(rows, "error_phi", "rhs", trusted(contents, scene))
+    figure = figures.small_diagram(rows, "error_phi", "rhs", trusted(contents, scene))
     caption = f"Evaluations of rhs against the {figures.MEASURES['error_phi']}"
     shown.append(pictures.save(figure, f"{scene}-evaluations", caption, f"{scene}: {caption}"))
     return [picture for picture in shown if picture]
@@ -92,7 +92,7 @@ def _figures(
 
 def _said(rows: list[Measurement], measure: str, limit: float) -> str:
     """Whose the Pareto front is, for those who cannot see it."""
-    names = dict.fromkeys(label(row) for row in front(rows, measure, limit))
+    names = dict.fromkeys(format_label(row) for row in pareto_front(rows, measure, limit))
     return f"On the Pareto front: {', '.join(names)}." if names else ""
 
 

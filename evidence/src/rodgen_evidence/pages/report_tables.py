@@ -5,13 +5,13 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable
 
 from rodgen.analyse.precision.contestant import Measurement, Value
-from rodgen.analyse.precision.rows import label, setting
+from rodgen.analyse.precision.rows import format_label, format_setting
 from rodgen_evidence.tables import Column, count, error, percent, three, time, times, words
 
 
 def named(rows: Iterable[Measurement]) -> list[Measurement]:
     """Rows with the name of the contestant and its setting in words."""
-    return [{**row, "label": label(row), "shown": setting(row)} for row in rows]
+    return [{**row, "label": format_label(row), "shown": format_setting(row)} for row in rows]
 
 
 # Entries of rows by how they are printed, with their titles.

@@ -8,7 +8,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from pandas import DataFrame
 
 from rodgen.analyse.precision.contestant import Measurement
-from rodgen.analyse.precision.rows import fine, label, setting, text
+from rodgen.analyse.precision.rows import format_label, format_setting, has_result, read_text
 from rodgen_evidence.report.unit import Measured
 
 Contents = Mapping[str, Sequence[Measured]]
@@ -41,7 +41,7 @@ def of(contents: Contents, section: str, **what: object) -> list[Measurement]:
 
 def frame(rows: Iterable[Measurement]) -> DataFrame:
     """Rows with a label of who took which method: text is "", a number nan where there is none."""
-    made = DataFrame([{**row, "label": label(row)} for row in rows])
+    made = DataFrame([{**row, "label": format_label(row)} for row in rows])
     for key in TEXTS:
         made[key] = made[key].fillna("").astype(str) if key in made else ""
     for key in NUMBERS:
@@ -57,7 +57,7 @@ def records(made: DataFrame) -> list[Measurement]:
 
 def trusted(contents: Contents, scene: str, measure: str = "error_phi") -> float:
     """The reference's own estimate: smaller errors mean nothing. 0 where there is none."""
-    known = frame(filter(fine, of(contents, "references", scene=scene)))
+    known = frame(filter(has_result, of(contents, "references", scene=scene)))
     key = measure.replace("error_", "estimate_")
     found = known[key].astype(float).max() if key in known else 0.0
     return float(found) if found < float("inf") else 0.0
@@ -66,7 +66,7 @@ def trusted(contents: Contents, scene: str, measure: str = "error_phi") -> float
 def judged(contents: Contents, scene: str) -> bool:
     """Whether a scene has a reference solution, or is not known to have none."""
     rows = of(contents, "references", scene=scene)
-    return not rows or any(map(fine, rows))
+    return not rows or any(map(has_result, rows))
 
 
 def failures(contents: Contents) -> DataFrame:
@@ -77,7 +77,10 @@ def failures(contents: Contents) -> DataFrame:
         for one in several
         for line in (
             (section, "", one.name, one.failed),
-            *((section, text(r, "scene"), _named(r), text(r, "failed")) for r in one.rows),
+            *(
+                (section, read_text(r, "scene"), _named(r), read_text(r, "failed"))
+                for r in one.rows
+            ),
         )
         if line[-1]
     ]
@@ -100,11 +103,11 @@ def failed_of(contents: Contents, scene: str) -> DataFrame:
 
 def case_named(row: Measurement) -> str:
     """An extreme case and who was tried on it."""
-    return ", ".join(filter(None, (text(row, key) for key in ("group", "case", "label"))))
+    return ", ".join(filter(None, (read_text(row, key) for key in ("group", "case", "label"))))
 
 
 def _named(row: Measurement) -> str:
     keys = ("scene", "group", "case", "what", "variant", "form", "damping")
-    start = [text(row, key) for key in keys if row.get(key)]
+    start = [read_text(row, key) for key in keys if row.get(key)]
     start += [f"n = {row['n']}"] if row.get("n") is not None else []
-    return ", ".join([*start, *filter(None, (label(row), setting(row)))])
+    return ", ".join([*start, *filter(None, (format_label(row), format_setting(row)))])

@@ -6,8 +6,15 @@ import math
 from statistics import median
 
 from rodgen.analyse.precision.contestant import Measurement
-from rodgen.analyse.precision.rows import cheapest, fine, label, number, setting, short
-from rodgen.progress import duration
+from rodgen.analyse.precision.rows import (
+    find_cheapest,
+    format_label,
+    format_setting,
+    format_short,
+    has_result,
+    read_number,
+)
+from rodgen.progress import format_duration
 from rodgen_evidence.report.contents import (
     FAILED,
     Contents,
@@ -35,22 +42,29 @@ def best_row(contents: Contents, scene: str) -> Measurement:
     """A line of the summary: the fastest for every error that is asked."""
     rows, limit = of(contents, "precision", scene=scene), trusted(contents, scene)
     if not judged(contents, scene):
-        return {"scene": scene, **dict.fromkeys((short(e, ".0e") for e in ASKED), "no reference")}
-    best = {short(error, ".0e"): _best(rows, error, limit) for error in ASKED}
+        return {
+            "scene": scene,
+            **dict.fromkeys((format_short(e, ".0e") for e in ASKED), "no reference"),
+        }
+    best = {format_short(error, ".0e"): _best(rows, error, limit) for error in ASKED}
     return {"scene": scene, **best}
 
 
 def _best(rows: list[Measurement], error: float, limit: float) -> str:
     if error < CLEAR * limit:
-        return f"cannot be told: the reference is good to {short(limit, '.1e')}"
-    there = [row for row in rows if fine(row) and math.isfinite(number(row, "error_phi"))]
+        return f"cannot be told: the reference is good to {format_short(limit, '.1e')}"
+    there = [
+        row for row in rows if has_result(row) and math.isfinite(read_number(row, "error_phi"))
+    ]
     if not there:
         return "none got there"
-    best = cheapest(there, error, "error_phi")
+    best = find_cheapest(there, error, "error_phi")
     if best:
-        return f"{label(best)}, {setting(best)}: {duration(number(best, 'seconds'))}"
-    closest = min(there, key=lambda row: number(row, "error_phi"))
-    return f"none; {label(closest)} has {short(number(closest, 'error_phi'), '.1e')}"
+        seconds = format_duration(read_number(best, "seconds"))
+        return f"{format_label(best)}, {format_setting(best)}: {seconds}"
+    closest = min(there, key=lambda row: read_number(row, "error_phi"))
+    error_text = format_short(read_number(closest, "error_phi"), ".1e")
+    return f"none; {format_label(closest)} has {error_text}"
 
 
 def sentences(contents: Contents) -> list[str]:
@@ -59,7 +73,7 @@ def sentences(contents: Contents) -> list[str]:
     said += [_wrong(contents)] if of(contents, "extremes") else []
     said += [_steps(contents)] if of(contents, "steps") else []
     said += [_rounding(contents)] if of(contents, "rounding") else []
-    said += [_duels(contents)] if any(map(fine, of(contents, "equal_error"))) else []
+    said += [_duels(contents)] if any(map(has_result, of(contents, "equal_error"))) else []
     return said + growths(contents)
 
 
@@ -74,7 +88,7 @@ def growth(scene: str, rows: list[Measurement]) -> str:
     rates = frame(rows)["rate"].dropna()
     if rates.empty:
         return f"{scene}: no rate at which errors grow could be fitted."
-    rising = [number(row, "rate") for row in rows if grows(row)]
+    rising = [read_number(row, "rate") for row in rows if grows(row)]
     if not rising:
         return (
             f"{scene}: errors do not grow exponentially to speak of "
@@ -120,7 +134,7 @@ def _steps(contents: Contents) -> str:
 
 
 def _rounding(contents: Contents) -> str:
-    rows = frame(filter(fine, of(contents, "rounding")))
+    rows = frame(filter(has_result, of(contents, "rounding")))
     by = losing(rows).groupby("form", sort=False).size()
     forms = ", ".join(f"{name} in {count}" for name, count in by.items())
     return (

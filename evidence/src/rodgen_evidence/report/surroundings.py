@@ -46,7 +46,7 @@ def machine() -> dict[str, str]:
 
 def flags() -> str:
     """What the C target is compiled with, if the compiler takes it."""
-    return " ".join(c_library.flag_choices(c_library.features())[0])
+    return " ".join(c_library.flag_choices(c_library.processor_features())[0])
 
 
 def _cores() -> int:

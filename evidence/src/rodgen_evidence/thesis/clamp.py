@@ -5,9 +5,9 @@ from __future__ import annotations
 from pandas import DataFrame
 
 from rodgen.analyse.critical import critical_load
-from rodgen.analyse.extrapolate import richardson
+from rodgen.analyse.extrapolation import richardson
 from rodgen.analyse.modes import natural_modes
-from rodgen.analyse.references import columns, continuum
+from rodgen.analyse.references import continuum, follower_columns
 from rodgen.analyse.references.elastica import own_weight
 from rodgen.analyse.statics import static_equilibrium
 from rodgen_evidence.tables import Column
@@ -57,7 +57,7 @@ def exact() -> dict[str, float]:
     load = scenes.WEIGHED * GRAVITY * scenes.LENGTH**2 / scenes.STIFFNESS  # q L^3 / EI
     return frequencies | {
         DEFLECTION: float(own_weight(load).y) * scenes.LENGTH,
-        "Beck's load [N]": float(columns.beck().dimensional(**scenes.LONG)[0]),
+        "Beck's load [N]": float(follower_columns.beck().dimensional(**scenes.LONG)[0]),
     }
 
 

@@ -8,10 +8,10 @@ import numpy as np
 from pandas import DataFrame
 
 from rodgen.analyse.critical import critical_load
-from rodgen.analyse.extrapolate import richardson
-from rodgen.analyse.growth import SimulatedCritical, simulated_critical_load
+from rodgen.analyse.extrapolation import richardson
 from rodgen.analyse.modes import natural_modes
-from rodgen.analyse.references import columns
+from rodgen.analyse.references import follower_columns
+from rodgen.analyse.simulated_critical import SimulatedCritical, simulated_critical_load
 from rodgen_evidence.thesis import data, scenes
 from rodgen_evidence.thesis.percentages import base_of, beck
 from rodgen_evidence.thesis.table import LINKS, VERDICT, Note, Table, beside, column, percent
@@ -20,7 +20,7 @@ from rodgen_evidence.thesis.timing import fastest
 
 def continuum_load(boundary: str, length: float = scenes.LENGTH) -> float:
     """Critical force of the continuum [N]."""
-    onset = columns.thrust() if boundary == "free" else columns.beck()
+    onset = follower_columns.thrust() if boundary == "free" else follower_columns.beck()
     return float(onset.load) * scenes.STIFFNESS / length**2
 
 
@@ -76,7 +76,7 @@ def on_ours(rows: DataFrame) -> Note:
 
 
 def on_coefficient() -> Note:
-    true = columns.thrust().load
+    true = follower_columns.thrust().load
     return Note(
         "shown",
         f"(3.3) has the coefficient {data.THRUST_COEFFICIENT}; the characteristic equation gives "

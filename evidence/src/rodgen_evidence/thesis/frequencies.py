@@ -8,9 +8,9 @@ import numpy as np
 from numpy.typing import NDArray
 from pandas import DataFrame
 
-from rodgen.analyse.fourier import Spectrum, spectrum
 from rodgen.analyse.modes import natural_modes
 from rodgen.analyse.references import continuum
+from rodgen.analyse.spectrum import Spectrum, spectrum
 from rodgen.integrate import simulate
 from rodgen_evidence.thesis import data, hypotheses, scenes
 from rodgen_evidence.thesis.percentages import base_of

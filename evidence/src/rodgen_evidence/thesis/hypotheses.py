@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from pandas import DataFrame
 
-from rodgen.analyse.fourier import peaks_of
+from rodgen.analyse.spectrum import find_peaks
 from rodgen.integrate import simulate
 from rodgen_evidence.thesis import data, scenes
 from rodgen_evidence.thesis.table import Note, percent
@@ -179,5 +179,5 @@ def bent(links: int, bend: float) -> float:
     )
     solution = simulate(scene)
     angle = solution.phi[:, -1] - solution.phi[:, 0]
-    found = peaks_of(solution.t, angle, peaks=1)
+    found = find_peaks(solution.t, angle, peaks=1)
     return float(found.frequencies[0])

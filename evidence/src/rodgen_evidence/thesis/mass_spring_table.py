@@ -7,7 +7,7 @@ from pandas import DataFrame
 from scipy.optimize import brentq
 
 from rodgen.analyse.critical import critical_load
-from rodgen.analyse.extrapolate import richardson
+from rodgen.analyse.extrapolation import richardson
 from rodgen_evidence.thesis import data, scenes
 from rodgen_evidence.thesis.critical import continuum_load, growth
 from rodgen_evidence.thesis.mass_spring import MassSpring, grow, simulated_critical_load

@@ -11,7 +11,7 @@ from pandas import DataFrame
 
 from rodgen.errors import DoubtWarning
 from rodgen.integrate import RunError, simulate
-from rodgen.integrate.stability import limit
+from rodgen.integrate.stability import step_limit
 from rodgen_evidence.thesis import data, scenes
 from rodgen_evidence.thesis.data import unit
 from rodgen_evidence.thesis.table import LINKS, VERDICT, Note, Table, column
@@ -56,7 +56,7 @@ def theory(links: int, method: str, damping: float, mass: float = scenes.MASS) -
     if method == "euler":  # in closed form: a weak damping is no rounding here
         return beta
     real = -beta * omega**2 / 2
-    return limit(method, complex(real, math.sqrt(omega**2 - real**2)))
+    return step_limit(method, complex(real, math.sqrt(omega**2 - real**2)))
 
 
 def stays(links: int, method: str, step: float) -> bool:
@@ -171,7 +171,7 @@ def rounded_down(printed: str, value: float) -> str:
 
 # Which mass and which damping the printed steps ask for ------------------------------------------
 
-UNDAMPED = {"semi_implicit_euler": 2.0, "thesis_runge_kutta": limit("thesis_runge_kutta", 1j)}
+UNDAMPED = {"semi_implicit_euler": 2.0, "thesis_runge_kutta": step_limit("thesis_runge_kutta", 1j)}
 
 
 class Interval(NamedTuple):

@@ -8,12 +8,12 @@ from typing import Any, NamedTuple
 import numpy as np
 from pandas import DataFrame
 
-from rodgen.analyse.chaos.exponents import lyapunov_exponents
+from rodgen.analyse.chaos.lyapunov import lyapunov_exponents
 from rodgen.analyse.critical import critical_load
-from rodgen.analyse.cycles.cycle import Cycle
-from rodgen.analyse.cycles.hopf_start import first_hopf
+from rodgen.analyse.cycles.cycle_result import Cycle
+from rodgen.analyse.cycles.cycle_search import CycleSearch
+from rodgen.analyse.cycles.hopf_points import first_hopf
 from rodgen.analyse.cycles.periodic_motion import find_cycle
-from rodgen.analyse.cycles.search import Search
 from rodgen.analyse.modes import natural_modes
 from rodgen.analyse.references import continuum
 from rodgen.scene import Scene
@@ -103,7 +103,7 @@ def bending() -> Iterator[Row]:
 def beyond() -> Iterator[Row]:
     """Where and how cycles begin, how far they swing, and where they are lost."""
     scene, rod = pushed(FORCE), f"cantilever, {LINKS} links, c_int = {INTERNAL:g}"
-    search = Search.of(System(scene))
+    search = CycleSearch.of(System(scene))
     hopf, _ = first_hopf(search, ParameterRange(search.system, KEY, ENDS))
     yield Row(AFTER, rod, BEGIN, hopf.value)
     kind = "first Lyapunov coefficient (below 0: supercritical)"

@@ -1,5 +1,5 @@
-"""Equilibria and steady motions as a curve of one varied number: their stability, and where along
-it a small motion begins or ceases to grow."""
+"""Equilibria and steady motions as curves over one varied number: their stability, and the points
+at which a small motion begins or ceases to grow."""
 
 from __future__ import annotations
 
@@ -7,18 +7,25 @@ from abc import abstractmethod
 
 import numpy as np
 
-from rodgen.analyse.confirm import Eigenvalues, contradicts
-from rodgen.analyse.curves.continuation import started
-from rodgen.analyse.curves.curve import BRANCH, Curve, Point, Problem, Special, corrected
-from rodgen.analyse.curves.special_points import on_chord
-from rodgen.analyse.eigen import Complex
-from rodgen.analyse.modal import MOST_DENSE, arising
-from rodgen.analyse.onset import Onset, onset
-from rodgen.analyse.pencil import Linear, Parts, Pencil
+from rodgen.analyse.curves.continuation import start_point
+from rodgen.analyse.curves.curve import (
+    BRANCH,
+    ContinuationProblem,
+    Curve,
+    CurvePoint,
+    SpecialPoint,
+    correct,
+)
+from rodgen.analyse.curves.special_points import point_on_chord
+from rodgen.analyse.eigenvalue_check import FullSpectrum, is_contradiction
+from rodgen.analyse.eigenvalues import Complex
+from rodgen.analyse.modal import MOST_DENSE, growing_eigenvalue
+from rodgen.analyse.onset import Onset, solve_onset
+from rodgen.analyse.pencil import BlockPencil, Linear, MatrixPencil
 from rodgen.analyse.rod_range import RodRange
-from rodgen.analyse.small_motions import Growing, grown
-from rodgen.analyse.steady import Steady, linearised, straight_state
+from rodgen.analyse.small_motions import SmallMotions, growing_eigenvalues
 from rodgen.analyse.steady_rod import SteadyRod, Unknowns
+from rodgen.analyse.steady_state import SteadyState, linearise, straight_state
 from rodgen.arrays import Array
 from rodgen.errors import AnalysisError
 
@@ -31,141 +38,141 @@ ANOTHER = 0.05  # of a rate, by which that of a crossing differs from it at most
 CLOSE = 1e-5  # of the way between two points, to which a crossing is narrowed
 
 
-class Equilibria(Problem):
-    """u: what is unknown of a steady state, and the varied number over its range."""
+class Equilibria(ContinuationProblem):
+    """Base of curves of steady states. u: scaled unknowns, and the varied number over its unit."""
 
-    def __init__(self, along: RodRange, start: Steady, all_modes: bool = False):
+    def __init__(self, along: RodRange, start: SteadyState, all_modes: bool = False):
         self.along, self.start = along, start
-        self._last: tuple[bytes, Steady] | None = None
+        self._last: tuple[bytes, SteadyState] | None = None
         self.why_unknown = ""
-        self.growing = self._growing(start, all_modes)
+        self.growing = self._growth_counter(start, all_modes)
 
-    def _growing(self, start: Steady, all_modes: bool) -> Growing | None:
-        """What grows about its states, in modes of the first, where it is counted so; where that
-        turns freely, in those of one that does not, if there is one."""
-        values = [value for value in self.along.bounds if start.turns_freely]
+    def _growth_counter(self, start: SteadyState, all_modes: bool) -> SmallMotions | None:
+        """Counter of growing motions, in modes of the first state; if that turns freely, of one
+        that does not, at an end of the range. None where stability cannot be counted."""
+        values = [value for value in self.along.bounds if start.has_free_rotation]
         for value in values:
             p = self.along.parameters(value)
             state, _ = straight_state(self.along.rod(value), p)
-            if state is not None and not state.turns_freely:
+            if state is not None and not state.has_free_rotation:
                 start = state
         try:
-            return Growing(start, all_modes)
+            return SmallMotions(start, all_modes)
         except AnalysisError as error:  # of a bent rod that drag brakes, stability is not known
             self.why_unknown = str(error)
             return None
 
-    def leave_stability(self, why: str) -> None:
-        """Count nothing that grows from here on, for a reason."""
+    def drop_stability(self, why: str) -> None:
+        """Stop counting growing motions from here on, and keep the reason."""
         self.growing, self.why_unknown = None, why
 
     def value(self, u: Array) -> float:
-        """The varied number."""
+        """The varied number at u."""
         return float(u[-1] * self.along.unit)
 
-    def scaled(self, value: float) -> float:
-        """A value as the last entry of u."""
+    def scale(self, value: float) -> float:
+        """Scale a value of the varied number to the last entry of u."""
         return value / self.along.unit
 
-    def at_value(self, guess: Array, value: float) -> Array:
-        """u of the branch at a value, next to a guess. Raises AnalysisError."""
+    def solve_at(self, guess: Array, value: float) -> Array:
+        """Find u of the branch at a value, near a guess. Raises AnalysisError."""
         last = np.append(np.zeros(len(guess) - 1), 1.0)
-        return corrected(self, np.append(guess[:-1], self.scaled(value)), last).u
+        return correct(self, np.append(guess[:-1], self.scale(value)), last).u
 
-    def first_point(self, u: Array, way: float) -> Point:
-        """The point of a branch at the value of u, which is close to it, from where the value grows
-        (way 1) or falls (-1); beside it where the unloaded rod has no direction there. Raises
+    def first_point(self, u: Array, way: float) -> CurvePoint:
+        """Find the first point of a branch near u, from where the value grows (way 1) or falls
+        (-1); right beside u where the branch has no tangent, as of an unloaded rod. Raises
         AnalysisError."""
         try:
-            return started(self, u, way)
+            return start_point(self, u, way)
         except AnalysisError:
-            return started(self, np.append(u[:-1], u[-1] + way * BESIDE), way)
+            return start_point(self, np.append(u[:-1], u[-1] + way * BESIDE), way)
 
-    def steady(self, u: Array) -> Steady:
-        """The state that u stands for."""
+    def steady_state(self, u: Array) -> SteadyState:
+        """Steady state at u; the last one is cached."""
         key = u.tobytes()
         if self._last is None or self._last[0] != key:
             value = self.value(u)
             rod = self.along.rod(value)
-            self._last = key, self._state(rod, self.along.parameters(value), u)
+            self._last = key, self._make_state(rod, self.along.parameters(value), u)
         return self._last[1]
 
     @abstractmethod
-    def _state(self, rod: SteadyRod, p: Array, u: Array) -> Steady:
-        """The state under parameters."""
+    def _make_state(self, rod: SteadyRod, p: Array, u: Array) -> SteadyState:
+        """Make the steady state at u of a rod with parameters p."""
 
     @abstractmethod
-    def packed(self, state: Steady, value: float) -> Array:
-        """u of a state at a value."""
+    def pack(self, state: SteadyState, value: float) -> Array:
+        """Pack a state and a value into u."""
 
     @staticmethod
-    def restored(rod: SteadyRod, p: Array, y: Array, force: Array) -> Steady:
-        """The state of a file: its angles, position and added states in y, and joint forces."""
-        base, half = rod.base, rod.base + rod.cells
-        return Steady(rod, Unknowns(y[base:half], force, y[:base], y[2 * half :]), p)
+    def restore(rod: SteadyRod, p: Array, y: Array, force: Array) -> SteadyState:
+        """Make the steady state of a saved state y (angles, position, added) and joint forces."""
+        base, half = rod.n_base, rod.n_base + rod.n_moving
+        return SteadyState(rod, Unknowns(y[base:half], force, y[:base], y[2 * half :]), p)
 
-    def unstable(self, u: Array) -> int | None:
+    def count_unstable(self, u: Array) -> int | None:
         if self.growing is None:
             return None
         try:
-            return self.growing.count(self.steady(u))
+            return self.growing.count_unstable(self.steady_state(u))
         except AnalysisError as error:
             self.why_unknown = self.why_unknown or str(error)
             return None
 
-    def grown(self, u: Array) -> Complex:
-        """The eigenvalues that grow [1/s], both of every conjugate pair."""
+    def growing_eigenvalues(self, u: Array) -> Complex:
+        """Eigenvalues with growth [1/s] at u, both of every conjugate pair."""
         assert self.growing is not None
-        return grown(self.growing.motions(self.steady(u)))
+        return growing_eigenvalues(self.growing.motions(self.steady_state(u)))
 
-    def crossings(self, before: Point, after: Point) -> list[Special]:
-        return crossings(self, before, after)
+    def crossings(self, before: CurvePoint, after: CurvePoint) -> list[SpecialPoint]:
+        return find_crossings(self, before, after)
 
-    def linear(self, u: Array, s: complex) -> Linear:
-        """The linearised equations at a point, where a motion with a rate s is looked at: of one
-        that does not oscillate without what turns a free rod as a whole."""
-        here = self.steady(u)
-        linear = linearised(here)
-        if not s and isinstance(linear, Pencil) and here.turns_freely:
-            return Parts.without_turning(linear, here.turning)
+    def linearise(self, u: Array, s: complex) -> Linear:
+        """Linearised equations at u for a motion with a rate s. If it does not oscillate (s = 0),
+        the turning of a free rod as a whole is left out."""
+        here = self.steady_state(u)
+        linear = linearise(here)
+        if not s and isinstance(linear, BlockPencil) and here.has_free_rotation:
+            return MatrixPencil.without_rotation(linear, here.rigid_rotation)
         return linear
 
 
-def crossings(problem: Equilibria, a: Point, b: Point) -> list[Special]:
-    """Where motions begin or cease to oscillate more and more between two points of a branch, to
-    all digits; of a free rod also where they begin to diverge, which no determinant tells there."""
+def find_crossings(problem: Equilibria, a: CurvePoint, b: CurvePoint) -> list[SpecialPoint]:
+    """Find where oscillations begin or cease to grow between two points of a branch, to all digits;
+    of a straight free rod also where motions diverge, which no determinant shows there."""
     free = len(a.u) == 1
-    found: list[Special] = []
+    found: list[SpecialPoint] = []
     low, share = a, 0.0
     while low.unstable != b.unstable and share < 1 and len(found) < 8:
         left, right, beside, upper = share, 1.0, low, b
-        while right - left > CLOSE and (inner := _inner(problem, a, b, left, right)):
+        while right - left > CLOSE and (inner := _inner_point(problem, a, b, left, right)):
             middle, point = inner
             if point.unstable == low.unstable:
                 left, beside = middle, point
             else:
                 right, upper = middle, point
-        one, two = (problem.grown(point.u) for point in (beside, upper))
-        s = arising(one, two) if len(one) > len(two) else arising(two, one)
+        one, two = (problem.growing_eigenvalues(point.u) for point in (beside, upper))
+        s = growing_eigenvalue(one, two) if len(one) > len(two) else growing_eigenvalue(two, one)
         if s.imag > 0 or free:
-            special = crossing(problem, upper, s)
+            special = locate_crossing(problem, upper, s)
             if special.kind != HOPF or special.frequency > SLOWEST * abs(s):
                 found.append(special)
         low, share = upper, right
     return found
 
 
-def _inner(
-    problem: Equilibria, a: Point, b: Point, left: float, right: float
-) -> tuple[float, Point] | None:
-    """A share of the way between two, and the point there; None next to a branch point between
-    them, where none can be told. Raises AnalysisError where none is there for another reason, as
+def _inner_point(
+    problem: Equilibria, a: CurvePoint, b: CurvePoint, left: float, right: float
+) -> tuple[float, CurvePoint] | None:
+    """Find a point between two shares of the way from a to b, and its share. None where that fails
+    near a branch point between a and b. Raises AnalysisError where it fails for another reason, as
     between points of two branches."""
     failed: AnalysisError | None = None
     for part in PARTS:
         share = left + part * (right - left)
         try:
-            return share, on_chord(problem, a, b, share)
+            return share, point_on_chord(problem, a, b, share)
         except AnalysisError as error:
             failed = failed or error
             if a.sign * b.sign > 0:
@@ -175,34 +182,34 @@ def _inner(
     raise failed
 
 
-def crossing(problem: Equilibria, near: Point, s: complex) -> Special:
-    """Where the motion with a rate s, 0 where it does not oscillate, begins or ceases to grow next
-    to a point, by Newton's method on the linearised equations along the branch."""
+def locate_crossing(problem: Equilibria, near: CurvePoint, s: complex) -> SpecialPoint:
+    """Find where the motion with a rate s (0 if it does not oscillate) begins or ceases to grow,
+    near a point, by Newton's method on the linearised equations along the branch."""
     slope = near.tangent / near.tangent[-1]
 
-    def state(value: float) -> Array:
-        guess = near.u + (problem.scaled(value) - near.u[-1]) * slope
-        return problem.at_value(guess, value)
+    def u_at(value: float) -> Array:
+        guess = near.u + (problem.scale(value) - near.u[-1]) * slope
+        return problem.solve_at(guess, value)
 
-    def at(value: float) -> Linear:
-        return problem.linear(state(value), s)
+    def equations_at(value: float) -> Linear:
+        return problem.linearise(u_at(value), s)
 
     kind = HOPF if s else BRANCH
     try:
-        found = onset(at, Onset(problem.value(near.u), s), problem.along.unit)
+        found = solve_onset(equations_at, Onset(problem.value(near.u), s), problem.along.unit)
         if abs(found.s - s) > ANOTHER * abs(s):
             raise AnalysisError("Newton's method led to a motion with another frequency")
     except AnalysisError as error:
         note = f"known to about {CLOSE:g} of a step only: {error}"
-        return Special(kind, near.u, frequency=s.imag / (2 * np.pi), note=note)
-    return Special(kind, state(found.force), frequency=found.s.imag / (2 * np.pi))
+        return SpecialPoint(kind, near.u, frequency=s.imag / (2 * np.pi), note=note)
+    return SpecialPoint(kind, u_at(found.force), frequency=found.s.imag / (2 * np.pi))
 
 
-def is_doubted(problem: Equilibria, curve: Curve) -> bool:
-    """Whether all eigenvalues tell other numbers of unstable directions than those that were
-    counted, in a few points and beside special ones."""
+def has_doubtful_counts(problem: Equilibria, curve: Curve) -> bool:
+    """Whether all eigenvalues contradict the counted numbers of unstable directions, in a few
+    points and beside the special ones."""
     growing = problem.growing
-    if growing is None or problem.along.base.cells > MOST_DENSE:
+    if growing is None or problem.along.base.n_moving > MOST_DENSE:
         return False
     last = len(curve.points) - 1
     looked = {*np.linspace(0, last, CHECKED).astype(int).tolist()}
@@ -211,8 +218,8 @@ def is_doubted(problem: Equilibria, curve: Curve) -> bool:
         point = curve.points[at]
         if point.unstable is None:
             continue
-        state = problem.steady(point.u)
-        found = Eigenvalues.of(linearised(state).reduced(), growing.lowest)
-        if contradicts(found, growing.motions(state), growing.lowest):
+        state = problem.steady_state(point.u)
+        found = FullSpectrum.of(linearise(state).to_dense(), growing.lowest)
+        if is_contradiction(found, growing.motions(state), growing.lowest):
             return True
     return False

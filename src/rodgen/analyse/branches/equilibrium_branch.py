@@ -8,34 +8,39 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from rodgen.analyse.bounds import bounds_of
-from rodgen.analyse.branches.branch_data import Branch, Recorded, dataset, recorded
-from rodgen.analyse.branches.equilibria import Equilibria, is_doubted
-from rodgen.analyse.branches.equilibrium_problems import equilibria
-from rodgen.analyse.branches.motions import Motions, begun, motion_of
-from rodgen.analyse.curves.continuation import Steps, continued, taken_up
+from rodgen.analyse.analysis_guard import guard_analysis
+from rodgen.analyse.branches.equilibria import Equilibria, has_doubtful_counts
+from rodgen.analyse.branches.equilibrium_data import (
+    EquilibriumBranch,
+    SavedPoint,
+    dataset,
+    read_point,
+)
+from rodgen.analyse.branches.equilibrium_problems import equilibrium_problem
+from rodgen.analyse.branches.steady_motions import SteadyMotions, motion_from_state, motion_problem
+from rodgen.analyse.curves.branch_switching import select_special, switch_branch
+from rodgen.analyse.curves.continuation import StepControl, continue_curve, resume_point
 from rodgen.analyse.curves.curve import (
     Curve,
-    Point,
-    Special,
-    both_ways,
-    corrected,
+    CurvePoint,
+    SpecialPoint,
+    correct,
+    follow_both_ways,
     point_at,
 )
-from rodgen.analyse.curves.datasets import extended, kept
-from rodgen.analyse.curves.special_points import branch_point
-from rodgen.analyse.curves.switching import chosen, switched
-from rodgen.analyse.curves.twice import compared, twice
-from rodgen.analyse.guard import guarded
+from rodgen.analyse.curves.curve_datasets import extend, make_dataset
+from rodgen.analyse.curves.mesh_check import add_mesh_doubts, double_links
+from rodgen.analyse.curves.special_points import locate_branch_point
+from rodgen.analyse.equilibrium_search import check_imperfection, find_equilibrium
+from rodgen.analyse.memory_needs import BRANCH, check_analysis_memory
+from rodgen.analyse.ranges import check_bounds
 from rodgen.analyse.rod_range import RodRange
-from rodgen.analyse.settle import checked_imperfection, settle
-from rodgen.analyse.sizes import BRANCH, check_size
-from rodgen.analyse.steady import Steady, steady
 from rodgen.analyse.steady_rod import SteadyRod
+from rodgen.analyse.steady_state import SteadyState, find_steady_state
 from rodgen.errors import InputError
 from rodgen.scene import Scene
-from rodgen.scene.plain import is_number, plain
-from rodgen.system import ParameterRange, System, start_at
+from rodgen.scene.plain_tables import is_number, to_plain
+from rodgen.system import ParameterRange, System, system_at_start
 
 if TYPE_CHECKING:
     import xarray
@@ -45,7 +50,7 @@ MOST = 2000  # points
 DOUBTED = "what was counted is not what the eigenvalues of the linearised equations say"
 
 
-@guarded
+@guard_analysis
 def continue_equilibria(
     system: System | Scene,
     key: str,
@@ -96,7 +101,7 @@ def continue_equilibria(
     t
         Time whose loads are taken [s].
     check_mesh
-        Also compute the same with twice as many links, and say in the notes what changes by more
+        Also follow the branch of twice as many links, and say in the notes what changes by more
         than 1 %.
     watch
         A function that is called with every value, in SI units.
@@ -128,128 +133,132 @@ def continue_equilibria(
     (['branch', 'branch'], [-2.47, -22.18])
     """
     system = System.of(system)
-    check_size(BRANCH, system, whole=motion is not None)
+    check_analysis_memory(BRANCH, system, whole=motion is not None)
     scene = system.scene
     if check_mesh:
         if resume is not None:
             raise InputError("check_mesh", True, "absent beside resume")
-        beside = twice(scene, key)
-    low, high = bounds = bounds_of(bounds)
-    begin = low if start is None else _inside("start", start, bounds)
-    before = None if resume is None else recorded(resume, scene, key, at)
+        beside = double_links(scene, key)
+    low, high = bounds = check_bounds(bounds)
+    begin = low if start is None else _check_inside("start", start, bounds)
+    before = None if resume is None else read_point(resume, scene, key, at)
     if before is not None:
         begin = before.values[0]
-    steps = Steps.of(step, most, 4)
-    problem = _prepared(system, key, bounds, begin, imperfection, motion, before, t)
+    steps = StepControl.of(step, most, 4)
+    problem = _make_problem(system, key, bounds, begin, imperfection, motion, before, t)
     first = problem.start
-    branch = Branch(scene, key, problem, Curve())
+    branch = EquilibriumBranch(scene, key, problem, Curve())
 
-    def seen(point: Point) -> None:
+    def on_point(point: CurvePoint) -> None:
         watch(problem.value(point.u))
 
-    def walk(problem: Equilibria) -> Curve:
-        scaled = problem.scaled(min(low, high)), problem.scaled(max(low, high))
+    def follow_branch(problem: Equilibria) -> Curve:
+        scaled = problem.scale(min(low, high)), problem.scale(max(low, high))
         if before is not None:
-            point = _taken_up(problem, before)
-            return continued(problem, point, *scaled, steps, watch=seen)
-        u = problem.packed(first, begin)
+            point = _resume_point(problem, before)
+            return continue_curve(problem, point, *scaled, steps, watch=on_point)
+        u = problem.pack(first, begin)
         onward = float(np.sign(high - low))
 
         def follow(way: float) -> Curve:
-            return continued(
-                problem, problem.first_point(u, way * onward), *scaled, steps, watch=seen
+            return continue_curve(
+                problem, problem.first_point(u, way * onward), *scaled, steps, watch=on_point
             )
 
-        return follow(1.0) if start is None or begin in (low, high) else both_ways(follow)
+        return follow(1.0) if start is None or begin in (low, high) else follow_both_ways(follow)
 
-    curve = walk(problem)
-    if not curve.interrupted and is_doubted(problem, curve):  # in too few modes
-        problem = equilibria(problem.along, first, True)
-        curve = walk(problem)
-        if not curve.interrupted and is_doubted(problem, curve):
-            problem.leave_stability(DOUBTED)
-            curve = walk(problem)
+    curve = follow_branch(problem)
+    if not curve.interrupted and has_doubtful_counts(problem, curve):  # in too few modes
+        problem = equilibrium_problem(problem.along, first, True)
+        curve = follow_branch(problem)
+        if not curve.interrupted and has_doubtful_counts(problem, curve):
+            problem.drop_stability(DOUBTED)
+            curve = follow_branch(problem)
     if switch is not None and not curve.interrupted:
-        problem, special = _entered(problem, curve, chosen(curve.special, switch))
-        scaled = problem.scaled(min(low, high)), problem.scaled(max(low, high))
-        curve = switched(problem, special, scaled, steps, seen)
+        problem, special = _prepare_switch(problem, curve, select_special(curve.special, switch))
+        scaled = problem.scale(min(low, high)), problem.scale(max(low, high))
+        curve = switch_branch(problem, special, scaled, steps, on_point)
         branch = replace(branch, number=switch)
 
-    def whole() -> xarray.Dataset:
+    def whole_dataset() -> xarray.Dataset:
         found = dataset(replace(branch, problem=problem, curve=curve))
-        return found if resume is None else extended(resume, at, found)
+        return found if resume is None else extend(resume, at, found)
 
-    found = kept(curve, whole)
+    found = make_dataset(curve, whole_dataset)
     if not check_mesh:
         return found
 
-    def follow_twice() -> xarray.Dataset:
+    def follow_finer() -> xarray.Dataset:
         given: dict[str, Any] = {"start": start, "switch": switch, "imperfection": imperfection}
         given |= {"motion": motion, "step": step, "most": most, "t": t}
         return continue_equilibria(beside, key, bounds, **given)
 
-    return compared(found, scene.rod.links, follow_twice)
+    return add_mesh_doubts(found, scene.rod.links, follow_finer)
 
 
-def _prepared(
+def _make_problem(
     system: System,
     key: str,
     bounds: tuple[float, float],
     begin: float,
     imperfection: float | None,
     motion: str | None,
-    before: Recorded | None,
+    before: SavedPoint | None,
     t: float | None,
 ) -> Equilibria:
-    """The problem, about the steady state at the value at which it begins."""
-    start = start_at(system, key, begin)
+    """Set up the continuation problem about the steady state at the first value."""
+    start = system_at_start(system, key, begin)
     values = ParameterRange(start.steady(t), key, bounds)
     rod = SteadyRod.of(values.system)
     along = RodRange(rod, values)
     if before is not None and before.moving:
-        return Motions(along, motion_of(rod, rod.system.p, before.states[0][0]))
+        return SteadyMotions(along, motion_from_state(rod, rod.system.p, before.states[0][0]))
     if motion is not None:
-        return begun(start, rod, along, motion, begin)
-    first = steady(rod) if imperfection is None else _bent(rod, imperfection)
-    return equilibria(along, first)
+        return motion_problem(start, rod, along, motion, begin)
+    first = find_steady_state(rod) if imperfection is None else _bent_equilibrium(rod, imperfection)
+    return equilibrium_problem(along, first)
 
 
-def _entered(problem: Equilibria, curve: Curve, special: Special) -> tuple[Equilibria, Special]:
-    """The branch point with both ways out of it, and the problem that has them: where straight
-    flight begins to diverge, that of the steady motions of a bent rod."""
+def _prepare_switch(
+    problem: Equilibria, curve: Curve, special: SpecialPoint
+) -> tuple[Equilibria, SpecialPoint]:
+    """Branch point with both tangents, and the problem that has them: where straight flight begins
+    to diverge, that of the steady motions of a bent rod."""
     if special.ways is not None:
         return problem, special
     beside = [curve.points[special.after + k].u for k in (0, 1)]
-    states = [problem.steady(u) for u in beside]
-    motions = Motions(problem.along, motion_of(states[0].rod, states[0].p, states[0].y))
+    states = [problem.steady_state(u) for u in beside]
+    motions = SteadyMotions(
+        problem.along, motion_from_state(states[0].rod, states[0].p, states[0].y)
+    )
     row = np.append(np.zeros(len(motions.columns)), 1.0)
     points = []
     for u, state in zip(beside, states, strict=True):
-        packed = motions.packed(state, problem.value(u))
-        points.append(point_at(motions, corrected(motions, packed, row), row))
-    return motions, branch_point(motions, *points)._replace(after=special.after)
+        packed = motions.pack(state, problem.value(u))
+        points.append(point_at(motions, correct(motions, packed, row), row))
+    return motions, locate_branch_point(motions, *points)._replace(after=special.after)
 
 
-def _bent(rod: SteadyRod, imperfection: float) -> Steady:
+def _bent_equilibrium(rod: SteadyRod, imperfection: float) -> SteadyState:
     p = rod.system.p
-    rest, _ = settle(rod, p, bend=checked_imperfection(imperfection))
-    return Steady(rod, rest.at, p)
+    rest, _ = find_equilibrium(rod, p, bend=check_imperfection(imperfection))
+    return SteadyState(rod, rest.at, p)
 
 
-def _taken_up(problem: Equilibria, before: Recorded) -> Point:
-    """The point of a file, on its branch, in its direction. Raises AnalysisError where it is no
-    solution."""
+def _resume_point(problem: Equilibria, before: SavedPoint) -> CurvePoint:
+    """Correct a saved point to its branch, with a tangent away from its neighbour. Raises
+    AnalysisError if it is no solution."""
     rod = problem.along.rod(before.values[0])
     p = problem.along.parameters(before.values[0])
     here, *others = (
-        problem.packed(problem.restored(rod, p, y, force), value)
+        problem.pack(problem.restore(rod, p, y, force), value)
         for (y, force), value in zip(before.states, before.values, strict=True)
     )
-    return taken_up(problem, here, others[0] if others else None, "equilibrium")
+    return resume_point(problem, here, others[0] if others else None, "equilibrium")
 
 
-def _inside(name: str, value: Any, bounds: tuple[float, float]) -> float:
-    value = plain(value, name)
+def _check_inside(name: str, value: Any, bounds: tuple[float, float]) -> float:
+    value = to_plain(value, name)
     low, high = sorted(bounds)
     if not (is_number(value) and low <= value <= high):
         raise InputError(name, value, f"a number in the range, {low:g} to {high:g}")

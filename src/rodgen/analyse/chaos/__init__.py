@@ -1,1 +1,1 @@
-"""How fast neighbouring motions come apart: Lyapunov exponents, and the 0-1 test."""
+"""Chaos in motions: Lyapunov exponents, Poincaré sections, and the 0-1 test."""

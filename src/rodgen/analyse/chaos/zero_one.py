@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 from scipy.signal import fftconvolve
 
-from rodgen.analyse.guard import guarded
+from rodgen.analyse.analysis_guard import guard_analysis
 from rodgen.arrays import Array
 from rodgen.errors import InputError
 
@@ -15,7 +15,7 @@ CUT = 10  # lags go up to the length of the series over this
 FREQUENCIES = np.pi / 5, 4 * np.pi / 5  # away from resonances of the sampling
 
 
-@guarded
+@guard_analysis
 def zero_one_test(series: ArrayLike, *, count: int = 100, seed: int = 0) -> float:
     """Return K of a series: about 0 for regular, about 1 for chaotic motion.
 
@@ -69,7 +69,7 @@ def zero_one_test(series: ArrayLike, *, count: int = 100, seed: int = 0) -> floa
 
 
 def _correlation(phi: Array, c: float) -> float:
-    """Correlation of lag and displacement of the walk that turns by c."""
+    """Correlation of lag and mean square displacement, of the walk that turns by c."""
     size = len(phi)
     lags = np.arange(1, size // CUT + 1)
     walk = np.cumsum(phi * np.exp(1j * c * np.arange(1, size + 1)))
@@ -82,9 +82,9 @@ def _correlation(phi: Array, c: float) -> float:
     return float(np.corrcoef(lags, far)[0, 1])
 
 
-def spaced(series: Array) -> Array:
-    """Every so many samples of a series that what follows has forgotten a good part of what was:
-    the first lag at which its autocorrelation falls below 1/e."""
+def decimate(series: Array) -> Array:
+    """Thin out a series to its decorrelation lag, the first at which its autocorrelation falls
+    below 1/e."""
     off = series - series.mean()
     spectrum = np.fft.rfft(off, 2 * len(off))
     together = np.fft.irfft(np.abs(spectrum) ** 2)[: len(off)]

@@ -1,1 +1,1 @@
-"""Curves of solutions of F(u) = 0, their continuation and special points."""
+"""Curves of solutions of F(u) = 0: their continuation, special points, files and journals."""

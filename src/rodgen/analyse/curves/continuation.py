@@ -1,8 +1,8 @@
 """Pseudo-arclength continuation of a curve F(u) = 0 with its special points (H. B. Keller,
 Numerical solution of bifurcation and nonlinear eigenvalue problems, 1977).
 
-A step goes along the tangent t and comes back to the curve in the plane across it, by Newton's
-method on F bordered by that plane, which is regular in folds too.
+A step goes along the tangent t and returns to the curve in the plane normal to it, by Newton's
+method on F bordered by that plane. The bordered equations are regular at folds, too.
 """
 
 from __future__ import annotations
@@ -15,20 +15,20 @@ import numpy as np
 from rodgen.analyse.curves.curve import (
     BRANCH,
     FOLD,
+    ContinuationProblem,
     Curve,
-    Point,
-    Problem,
-    Special,
-    corrected,
+    CurvePoint,
+    SpecialPoint,
+    correct,
     point_at,
 )
-from rodgen.analyse.curves.journal import Step, current
-from rodgen.analyse.curves.special_points import between
+from rodgen.analyse.curves.journal import Step, current_journal
+from rodgen.analyse.curves.special_points import find_special_points
 from rodgen.arrays import Array
 from rodgen.errors import AnalysisError, InputError
-from rodgen.progress import tell
+from rodgen.progress import report_stage
 from rodgen.result import Note, doubt
-from rodgen.scene.plain import is_number, plain
+from rodgen.scene.plain_tables import is_number, to_plain
 
 QUICK = 4  # iterations after which the next step is longer
 STRAIGHT, TURNED = 0.98, 0.9  # cosine between two tangents: for a longer step, at least
@@ -42,8 +42,8 @@ OFF = 1e-6  # by which the point of a file may be corrected
 
 
 @dataclass(frozen=True)
-class Steps:
-    """first, least and longest step along the curve; most points."""
+class StepControl:
+    """First, least and longest step along a curve, and the largest number of points (most)."""
 
     first: float = 0.02
     least: float = 1e-9
@@ -51,10 +51,10 @@ class Steps:
     most: int = 2000
 
     @classmethod
-    def of(cls, step: float, most: int, parts: int, least: float = 1e-9) -> Steps:
-        """The longest step and most points that were asked for; parts: of the longest, the first.
-        Raises InputError."""
-        step, most = plain(step, "step"), plain(most, "most")
+    def of(cls, step: float, most: int, parts: int, least: float = 1e-9) -> StepControl:
+        """Check the longest step and the largest number of points that a user gives. The first step
+        is the longest over `parts`. Raises InputError."""
+        step, most = to_plain(step, "step"), to_plain(most, "most")
         if not (is_number(step) and 0 < step <= 1):
             raise InputError("step", step, "a number above 0 and at most 1")
         if not isinstance(most, int) or isinstance(most, bool) or most < 2:
@@ -62,25 +62,27 @@ class Steps:
         return cls(first=step / parts, least=least, longest=step, most=most)
 
 
-def started(problem: Problem, u: Array, way: float = 1.0) -> Point:
-    """The point at the parameter of u, which is close to it, with its tangent so that the
-    parameter grows (way 1) or falls (-1). Raises AnalysisError where u is next to no solution."""
+def start_point(problem: ContinuationProblem, u: Array, way: float = 1.0) -> CurvePoint:
+    """Correct u at its parameter to the first point of a curve, with a tangent along which the
+    parameter grows (way 1) or falls (-1). Raises AnalysisError where u is near no solution."""
     last = np.append(np.zeros(len(u) - 1), 1.0)
-    found = corrected(problem, u, last)
+    found = correct(problem, u, last)
     point = point_at(problem, found, last)
     if point.tangent[-1] * way < 0:
         point = point._replace(tangent=-point.tangent, sign=-point.sign)
     return point
 
 
-def taken_up(problem: Problem, here: Array, other: Array | None, what: str) -> Point:
-    """A point of a file, which is next to the curve, and its direction away from another one; the
-    parameter grows from one that was alone. Raises AnalysisError, which says what it is to be,
-    where it is no solution."""
+def resume_point(
+    problem: ContinuationProblem, here: Array, other: Array | None, what: str
+) -> CurvePoint:
+    """Correct a point read from a file, with a tangent that leads away from another one; without
+    that, the parameter grows. Raises AnalysisError, which names what the point should be, if it is
+    no solution."""
     way = np.append(np.zeros(len(here) - 1), 1.0) if other is None else here - other
     way = way / problem.length(way)
     try:
-        found = corrected(problem, here, problem.weights * way)
+        found = correct(problem, here, problem.weights * way)
         astray = problem.length(found.u - here)
     except AnalysisError:
         astray = np.inf
@@ -92,47 +94,46 @@ def taken_up(problem: Problem, here: Array, other: Array | None, what: str) -> P
     return point_at(problem, found, way)
 
 
-def continued(
-    problem: Problem,
-    start: Point,
+def continue_curve(
+    problem: ContinuationProblem,
+    start: CurvePoint,
     low: float,
     high: float,
-    steps: Steps | None = None,
+    steps: StepControl | None = None,
     first: float | None = None,
-    watch: Callable[[Point], None] = lambda point: None,
+    watch: Callable[[CurvePoint], None] = lambda point: None,
     until: Callable[[Curve], str] = lambda curve: "",
 ) -> Curve:
-    """The curve from a point on along its tangent, while its parameter is within low and high.
+    """Follow a curve from a point along its tangent, while the parameter is within low and high.
 
-    first: the first step, if not that of steps; watch: called with every point; until: says why
-    the curve so far need not be followed on, or nothing. A step is taken
-    where the correction is short, the tangent turns little and the number of unstable directions
-    changes as the special points found on the way tell, else it is halved, so that no other branch
-    is jumped to. What was found so far is kept where it ends, by Ctrl-C too; why is told by
-    ``end``.
+    first: the first step, if not that of steps; watch: called with every point; until: returns why
+    the curve so far is complete, or nothing. A step is taken if the correction is short, the
+    tangent turns little and the number of unstable directions changes as the special points on the
+    way explain. Otherwise it is halved, so that the curve does not jump to another branch. ``end``
+    says why the curve stops. What was found is kept, also on Ctrl-C.
     """
-    return _Walk(problem, steps or Steps(), low, high, watch, until).from_(start, first)
+    return _Follower(problem, steps or StepControl(), low, high, watch, until).follow(start, first)
 
 
-class _Walk:
+class _Follower:
     def __init__(
         self,
-        problem: Problem,
-        steps: Steps,
+        problem: ContinuationProblem,
+        steps: StepControl,
         low: float,
         high: float,
-        watch: Callable[[Point], None],
+        watch: Callable[[CurvePoint], None],
         until: Callable[[Curve], str],
     ):
         self.problem, self.steps, self.low, self.high = problem, steps, low, high
         self.watch, self.until = watch, until
         self.curve, self.why, self.before = Curve(), "", 0
 
-    def from_(self, start: Point, first: float | None) -> Curve:
+    def follow(self, start: CurvePoint, first: float | None) -> Curve:
         curve = self.curve
         curve.points.append(start)
         try:
-            self._walked(start, first)
+            self._take_steps(start, first)
         except KeyboardInterrupt:
             curve.end, curve.interrupted = "it was interrupted", True
         except (*BROKEN, InputError) as error:
@@ -141,19 +142,19 @@ class _Walk:
             curve.end += f" at {self.problem.value(curve.points[-1].u):.9g}"
         return curve
 
-    def _walked(self, start: Point, first: float | None) -> None:
+    def _take_steps(self, start: CurvePoint, first: float | None) -> None:
         steps, curve = self.steps, self.curve
         self.watch(start)
-        h, journal = min(first or steps.first, steps.longest), current()
+        h, journal = min(first or steps.first, steps.longest), current_journal()
         if journal is not None:
             journal.begin(self.problem, start)
         while not curve.end:
             here = curve.points[-1]
-            if self._leaves(here):
+            if self._end_if_outward(here):
                 break
-            step = None if journal is None else journal.next()
+            step = None if journal is None else journal.next_step()
             if step is None:
-                step = self._advanced(here, h)
+                step = self._advance(here, h)
                 if step is None:
                     why = self.why or "no solution"
                     curve.end = f"the step along the branch shrank to nothing ({why})"
@@ -164,30 +165,30 @@ class _Walk:
             curve.special += step.special
             curve.notes += step.notes
             curve.points.append(step.point)
-            tell(f"{len(curve.points)} points")
+            report_stage(f"{len(curve.points)} points")
             self.watch(step.point)
-            self._finish(step.point, h)
+            self._check_end(step.point, h)
 
-    def _advanced(self, here: Point, h: float) -> Step | None:
-        """A step from a point on, of this length or a shorter one; None where none is taken."""
-        while (step := self._step(here, h)) is None:
+    def _advance(self, here: CurvePoint, h: float) -> Step | None:
+        """Take a step of length h or a shorter one; None if the least one fails."""
+        while (step := self._try_step(here, h)) is None:
             h /= 2
             if h < self.steps.least:
                 return None
         return step
 
-    def _leaves(self, here: Point) -> bool:
-        """Whether the curve ends at the start, as its tangent leads out of the range."""
-        if not self._outward(here):
+    def _end_if_outward(self, here: CurvePoint) -> bool:
+        """Whether the tangent leads out of the range; the curve then ends at this point."""
+        if not self._is_outward(here):
             return False
         self.curve.end, self.curve.complete = "the end of the range was reached", True
         return True
 
-    def _outward(self, here: Point) -> bool:
+    def _is_outward(self, here: CurvePoint) -> bool:
         away = here.tangent[-1]
         return (here.value <= self.low and away < 0) or (here.value >= self.high and away > 0)
 
-    def _finish(self, point: Point, h: float) -> None:
+    def _check_end(self, point: CurvePoint, h: float) -> None:
         curve, start = self.curve, self.curve.points[0]
         if point.value in (self.low, self.high):
             curve.end, curve.complete = "the end of the range was reached", True
@@ -195,12 +196,12 @@ class _Walk:
             curve.end, curve.complete = why, True
         elif len(curve.points) >= self.steps.most:
             curve.end = f"{self.steps.most} points were computed"
-        elif len(curve.points) > FEW and self._returns(point, start, h):
+        elif len(curve.points) > FEW and self._is_closed(point, start, h):
             curve.points.append(start)
             curve.end, curve.complete = "the branch closes in itself", True
 
-    def _returns(self, point: Point, start: Point, h: float) -> bool:
-        """Whether a point lies beside the start, which was ahead until then, and goes its way."""
+    def _is_closed(self, point: CurvePoint, start: CurvePoint, h: float) -> bool:
+        """Whether the curve closes: it passes its start, near to it and in the same direction."""
         near, before = self.problem.length(point.u - start.u) < h, self.curve.points[-2]
         ahead = self._cosine(before.tangent, start.u - before.u) > 0
         return near and ahead and self._cosine(point.tangent, start.tangent) > TURNED
@@ -208,8 +209,8 @@ class _Walk:
     def _cosine(self, a: Array, b: Array) -> float:
         return float(a @ (self.problem.weights * b))
 
-    def _step(self, here: Point, h: float) -> Step | None:
-        """The next point, and what lies on the way; None where the step is too long."""
+    def _try_step(self, here: CurvePoint, h: float) -> Step | None:
+        """Try a step of length h; None where it is too long."""
         problem, steps, t = self.problem, self.steps, here.tangent
         guess, row = here.u + h * t, problem.weights * t
         bound = self.high if t[-1] > 0 else self.low
@@ -219,11 +220,11 @@ class _Walk:
             guess = here.u + h * t
             row = np.append(np.zeros(len(t) - 1), 1.0)
         try:
-            found = corrected(problem, guess, row)
+            found = correct(problem, guess, row)
             if not beyond and (found.u[-1] - bound) * (here.value - bound) < 0:  # not by its guess
                 beyond = True
                 guess = np.append(found.u[:-1], bound)
-                found = corrected(problem, guess, np.append(np.zeros(len(t) - 1), 1.0))
+                found = correct(problem, guess, np.append(np.zeros(len(t) - 1), 1.0))
             if problem.length(found.u - guess) > ASTRAY * h:
                 self.why = "the next point lies off its tangent"
                 return None
@@ -240,7 +241,7 @@ class _Walk:
         if not point.sign:
             self.why = "the equations are singular"
             return None
-        special, note, least, before = self._between(here, point)
+        special, note, least, before = self._compare(here, point)
         if note is not None and h > least * steps.longest:
             return None
         length = h
@@ -250,13 +251,15 @@ class _Walk:
             length = max(0.7 * h, steps.least)
         return Step(point, special, [] if note is None else [note], length, before)
 
-    def _between(self, a: Point, b: Point) -> tuple[list[Special], Note | None, float, int]:
-        """Special points between two points, in order, why the second may be of another branch,
-        down to which share of the longest step that is a reason for a shorter one, and how many
-        wait for the change of stability that they explain."""
+    def _compare(
+        self, a: CurvePoint, b: CurvePoint
+    ) -> tuple[list[SpecialPoint], Note | None, float, int]:
+        """Compare two points. Returns the special points between them, in order; a doubt, if the
+        second may lie on another branch; the share of the longest step down to which that asks for
+        a shorter step; and how many changes of stability are explained but not seen yet."""
         after, value = len(self.curve.points) - 1, self.problem.value(b.u)
         try:
-            found = between(self.problem, a, b)
+            found = find_special_points(self.problem, a, b)
         except AnalysisError as error:
             words = f"next to {value:.9g} another branch may be met: {error}"
             return [], doubt(words, value=value), PASSED, self.before

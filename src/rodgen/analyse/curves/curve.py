@@ -1,4 +1,4 @@
-"""Curves of solutions of F(u) = 0 with one unknown more than equations: what is continued, a point,
+"""Curves of solutions of F(u) = 0 with one more unknown than equations: the problem, its points,
 and Newton's method back to the curve."""
 
 from __future__ import annotations
@@ -10,7 +10,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from rodgen.analyse.bordered import Bordered, Matrix
+from rodgen.analyse.bordered import BorderedMatrix, Matrix
 from rodgen.arrays import Array
 from rodgen.errors import AnalysisError
 from rodgen.result import Note
@@ -23,44 +23,44 @@ SETTLED, NOISE = (
 FOLD, BRANCH = "fold", "branch"
 
 
-class Problem(ABC):
-    """F(u) = 0 with u (N + 1,), of which the last is the parameter, all of the order of one.
+class ContinuationProblem(ABC):
+    """Interface of continuation problems: F(u) = 0, u (N + 1,) of order 1, the parameter last.
 
-    weights: (N + 1,) of the entries of u in the length along the curve, their squares times these.
+    weights (N + 1,): factors of the squared entries of u in the squared length along the curve.
     """
 
     weights: Array
 
     @abstractmethod
-    def at(self, u: Array) -> tuple[Array, Matrix]:
-        """F (N,) and its derivatives (N, N + 1), dense or sparse. AnalysisError where there is
-        none."""
+    def evaluate(self, u: Array) -> tuple[Array, Matrix]:
+        """Residual F (N,) and Jacobian (N, N + 1), dense or sparse, at u. Raises AnalysisError
+        where there are none."""
 
     def value(self, u: Array) -> float:
-        """The parameter, as a reader knows it."""
+        """Value of the parameter in the unit that a user knows."""
         return float(u[-1])
 
-    def unstable(self, u: Array) -> int | None:
-        """How many directions are unstable; None where that is not looked at."""
+    def count_unstable(self, u: Array) -> int | None:
+        """Number of unstable directions at u; None where it is not known."""
         return None
 
-    def measures(self, u: Array) -> Mapping[str, float]:
-        """Smooth functions that are zero in special points of a kind, by its name."""
+    def test_functions(self, u: Array) -> Mapping[str, float]:
+        """Test functions, smooth and zero at special points of a kind, by the name of that kind."""
         return {}
 
-    def crossings(self, before: Point, after: Point) -> list[Special]:
-        """Special points between two points whose numbers of unstable directions differ, that no
-        measure has: Hopf points."""
+    def crossings(self, before: CurvePoint, after: CurvePoint) -> list[SpecialPoint]:
+        """Special points that have no test function, such as Hopf points, between two points with
+        different numbers of unstable directions."""
         return []
 
     def length(self, change: Array) -> float:
-        """How long a change of u is."""
+        """Weighted norm of a change of u."""
         return float(np.sqrt(self.weights @ (change * change)))
 
 
-class Point(NamedTuple):
-    """Of a curve: u, its unit tangent, how many directions are unstable, the sign of the
-    determinant of the derivatives bordered by the tangent, and the measures of the problem."""
+class CurvePoint(NamedTuple):
+    """A point of a curve: u, its unit tangent, the number of unstable directions, the sign of the
+    determinant of the Jacobian bordered by the tangent, and the values of the test functions."""
 
     u: Array
     tangent: Array
@@ -70,14 +70,14 @@ class Point(NamedTuple):
 
     @property
     def value(self) -> float:
-        """The parameter, as the problem has it."""
+        """The parameter as it stands in u."""
         return float(self.u[-1])
 
 
-class Special(NamedTuple):
-    """kind: "fold", "branch", "hopf" or what the problem calls it; u: where; after: the number of
-    the point that it comes after; frequency [Hz], of what oscillates; ways: in a branch point both
-    tangents (2, N + 1), first that of the curve itself; note: what is to be known."""
+class SpecialPoint(NamedTuple):
+    """A special point u of a curve. kind: "fold", "branch", "hopf" or one of the problem's; after:
+    number of the point before it; frequency: of an oscillation [Hz]; ways: both tangents (2, N + 1)
+    of a branch point, first the curve's own; note: a reservation."""
 
     kind: str
     u: Array
@@ -89,43 +89,43 @@ class Special(NamedTuple):
 
 @dataclass
 class Curve:
-    """points: in order; special: between them; end: why it stops where it does; complete: whether
-    nothing is left to follow; notes: where it cannot be trusted; interrupted: whether Ctrl-C
-    stopped it."""
+    """A followed curve. points: in order; special: points between them; end: why it stops;
+    complete: whether nothing is left to follow; notes: where it cannot be trusted; interrupted:
+    whether Ctrl-C stopped it."""
 
-    points: list[Point] = field(default_factory=list)
-    special: list[Special] = field(default_factory=list)
+    points: list[CurvePoint] = field(default_factory=list)
+    special: list[SpecialPoint] = field(default_factory=list)
     end: str = ""
     complete: bool = False
     notes: list[Note] = field(default_factory=list)
     interrupted: bool = False
 
-    def uninterrupted(self) -> Curve:
-        """The curve itself. Raises KeyboardInterrupt where Ctrl-C stopped it."""
+    def raise_interrupt(self) -> Curve:
+        """Return the curve itself. Raises KeyboardInterrupt if Ctrl-C stopped it."""
         if self.interrupted:
             raise KeyboardInterrupt
         return self
 
-    def backwards(self) -> Curve:
-        """With its points from the last to the first."""
+    def reverse(self) -> Curve:
+        """Reverse the order of the points and the tangents."""
         last = len(self.points) - 1
         special = [one._replace(after=last - 1 - one.after) for one in reversed(self.special)]
         points = [p._replace(tangent=-p.tangent) for p in reversed(self.points)]
         return replace(self, points=points, special=special)
 
 
-def both_ways(follow: Callable[[float], Curve]) -> Curve:
-    """A curve to both sides of its start, from the end that is reached the way -1.0 to that of
-    1.0; one that Ctrl-C stops on the first side has no other."""
+def follow_both_ways(follow: Callable[[float], Curve]) -> Curve:
+    """Follow a curve to both sides of its start (-1.0, then 1.0) and join the two halves. If Ctrl-C
+    stops the first side, the other one is not followed."""
     back = follow(-1.0)
     if back.interrupted:
-        return back.backwards()
-    return joined(back, follow(1.0))
+        return back.reverse()
+    return join(back, follow(1.0))
 
 
-def joined(back: Curve, on: Curve) -> Curve:
-    """Two curves that begin at one point as one."""
-    back = back.backwards()
+def join(back: Curve, on: Curve) -> Curve:
+    """Join two curves that begin at the same point, the first one reversed."""
+    back = back.reverse()
     more = len(back.points) - 1
     special = [one._replace(after=one.after + more) for one in on.special]
     return Curve(
@@ -138,42 +138,44 @@ def joined(back: Curve, on: Curve) -> Curve:
     )
 
 
-class Corrected(NamedTuple):
-    """A point of the curve, the derivatives beside it, and the iterations that it took."""
+class Correction(NamedTuple):
+    """A point u found by Newton's method, its last Jacobian J, and the number of iterations."""
 
     u: Array
     J: Matrix
     iterations: int
 
 
-def corrected(problem: Problem, guess: Array, row: Array) -> Corrected:
-    """The point of the curve in the plane row (u - guess) = 0. Raises AnalysisError."""
+def correct(problem: ContinuationProblem, guess: Array, row: Array) -> Correction:
+    """Correct a guess to the curve in the plane row (u - guess) = 0. Raises AnalysisError."""
     u, before = guess, np.inf
     for iteration in range(1, ITERATIONS + 1):
-        F, J = problem.at(u)
-        change = Bordered(J, row[None]).solve(np.append(-F, 0.0))
+        F, J = problem.evaluate(u)
+        change = BorderedMatrix(J, row[None]).solve(np.append(-F, 0.0))
         u = u + change
         size = float(np.abs(change).max())
         if not (size < before or size < NOISE):
             break
         # What comes after a correction is its square: the next one would be rounding.
         if size <= SETTLED or (size < NOISE and size >= before / 2):
-            return Corrected(u, J, iteration)
+            return Correction(u, J, iteration)
         if before < 1 and size * size / before * (size / before) < SETTLED:
-            return Corrected(u, J, iteration)
+            return Correction(u, J, iteration)
         before = size
     raise AnalysisError("Newton's method does not converge")
 
 
-def tangent_at(problem: Problem, J: Matrix, like: Array) -> tuple[Array, int]:
-    """The unit tangent in the direction of another one, and the sign of the determinant of the
-    derivatives that it borders."""
-    factors = Bordered(J, (problem.weights * like)[None])
+def tangent_at(problem: ContinuationProblem, J: Matrix, like: Array) -> tuple[Array, int]:
+    """Unit tangent of a curve with the Jacobian J, on the side of another tangent (like), and the
+    sign of the determinant of J bordered by that one."""
+    factors = BorderedMatrix(J, (problem.weights * like)[None])
     t = factors.solve(np.append(np.zeros(len(like) - 1), 1.0))
-    return t / problem.length(t), factors.sign
+    return t / problem.length(t), factors.determinant_sign
 
 
-def point_at(problem: Problem, found: Corrected, like: Array) -> Point:
-    """A corrected point with its tangent, in the direction of another one, and its stability."""
+def point_at(problem: ContinuationProblem, found: Correction, like: Array) -> CurvePoint:
+    """Complete a corrected point by its tangent, on the side of another one, and its stability."""
     t, sign = tangent_at(problem, found.J, like)
-    return Point(found.u, t, problem.unstable(found.u), sign, problem.measures(found.u))
+    return CurvePoint(
+        found.u, t, problem.count_unstable(found.u), sign, problem.test_functions(found.u)
+    )

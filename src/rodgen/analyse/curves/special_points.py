@@ -1,5 +1,5 @@
-"""Special points of a curve between two of its points: folds, simple branch points, and what a
-problem measures itself."""
+"""Special points of a curve between two of its points: folds, simple branch points, and zeros of
+the problem's test functions."""
 
 from __future__ import annotations
 
@@ -8,15 +8,15 @@ from collections.abc import Callable
 import numpy as np
 from scipy.optimize import brentq
 
-from rodgen.analyse.bordered import Bordered
+from rodgen.analyse.bordered import BorderedMatrix
 from rodgen.analyse.curves.curve import (
     BRANCH,
     FOLD,
     NOISE,
-    Point,
-    Problem,
-    Special,
-    corrected,
+    ContinuationProblem,
+    CurvePoint,
+    SpecialPoint,
+    correct,
     point_at,
 )
 from rodgen.arrays import Array
@@ -31,51 +31,60 @@ IMPERFECT = 1e-11  # of what is not in balance in a branch point: there is none
 FAR = 2.0  # times the way between two points, from either
 
 
-def between(problem: Problem, a: Point, b: Point) -> list[Special]:
-    """Special points between two points of a curve, in order. Raises AnalysisError where one that
-    the signs of both points promise is not there, as between points of two branches."""
-    found: list[Special] = []
+def find_special_points(
+    problem: ContinuationProblem, a: CurvePoint, b: CurvePoint
+) -> list[SpecialPoint]:
+    """Find the special points between two points of a curve, in order. Raises AnalysisError if the
+    signs of the two promise one that is not there, as between points of two branches."""
+    found: list[SpecialPoint] = []
     if a.sign * b.sign < 0:
-        found.append(branch_point(problem, a, b))
+        found.append(locate_branch_point(problem, a, b))
     # In a branch point, which has no sign, a branch that is left may have a fold.
     if a.sign and a.tangent[-1] * b.tangent[-1] < 0:
-        fold = located(problem, a, b, lambda point: float(point.tangent[-1]))
-        found.append(Special(FOLD, fold.u))
+        fold = locate(problem, a, b, lambda point: float(point.tangent[-1]))
+        found.append(SpecialPoint(FOLD, fold.u))
     for kind, value in a.measures.items():
         if value * b.measures.get(kind, value) < 0:
 
-            def measured(point: Point, kind: str = kind) -> float:
+            def test_function(point: CurvePoint, kind: str = kind) -> float:
                 return point.measures[kind]
 
-            here = located(problem, a, b, measured)
-            found.append(Special(kind, here.u))
+            here = locate(problem, a, b, test_function)
+            found.append(SpecialPoint(kind, here.u))
     if a.unstable is not None and b.unstable is not None and a.unstable != b.unstable:
         found += problem.crossings(a, b)
     row = problem.weights * a.tangent
     return sorted(found, key=lambda one: float(row @ one.u))
 
 
-def located(problem: Problem, a: Point, b: Point, measure: Callable[[Point], float]) -> Point:
-    """The point between two of a curve at which a measure that has another sign in either is zero,
-    to rounding. Raises AnalysisError."""
-    return _Chord(problem, a, b).zero(measure)
+def locate(
+    problem: ContinuationProblem,
+    a: CurvePoint,
+    b: CurvePoint,
+    measure: Callable[[CurvePoint], float],
+) -> CurvePoint:
+    """Find the point of a curve between two others at which a test function that changes its sign
+    is zero, to rounding. Raises AnalysisError."""
+    return _Chord(problem, a, b).locate_zero(measure)
 
 
-def on_chord(problem: Problem, a: Point, b: Point, share: float) -> Point:
-    """The point of a curve at a share of the way between two."""
-    return _Chord(problem, a, b).at(share)
+def point_on_chord(
+    problem: ContinuationProblem, a: CurvePoint, b: CurvePoint, share: float
+) -> CurvePoint:
+    """Find the point of a curve at a share (0 to 1) of the way between two others."""
+    return _Chord(problem, a, b).point(share)
 
 
 class _Chord:
-    """Points of a curve by the share of the way from one to another, along the tangent of the
+    """The part of a curve between two points, by the share of the way along the tangent of the
     first."""
 
-    def __init__(self, problem: Problem, a: Point, b: Point):
+    def __init__(self, problem: ContinuationProblem, a: CurvePoint, b: CurvePoint):
         self.problem, self.a, self.b = problem, a, b
         self.row = problem.weights * a.tangent
         self.reach = float(self.row @ (b.u - a.u))
 
-    def at(self, share: float) -> Point:
+    def point(self, share: float) -> CurvePoint:
         a, b = self.a, self.b
         if share in (0, 1):
             return b if share else a
@@ -85,25 +94,25 @@ class _Chord:
         guess = y * y * (1 + 2 * x) * a.u + x * x * (1 + 2 * y) * b.u
         along = b.tangent / max(float(self.row @ b.tangent), 1e-3)
         guess = guess + h * (x * y * y * a.tangent - x * x * y * along)
-        return point_at(self.problem, corrected(self.problem, guess, self.row), a.tangent)
+        return point_at(self.problem, correct(self.problem, guess, self.row), a.tangent)
 
-    def zero(self, measure: Callable[[Point], float]) -> Point:
+    def locate_zero(self, measure: Callable[[CurvePoint], float]) -> CurvePoint:
         try:
-            share = brentq(lambda x: measure(self.at(x)), 0.0, 1.0, xtol=CLOSE, rtol=4 * CLOSE)
+            share = brentq(lambda x: measure(self.point(x)), 0.0, 1.0, xtol=CLOSE, rtol=4 * CLOSE)
         except ValueError:
             raise AnalysisError("its measure has no change of sign") from None
-        return self.at(float(share))
+        return self.point(float(share))
 
 
-def branch_point(problem: Problem, a: Point, b: Point) -> Special:
-    """The simple branch point between two points where the derivatives lose a rank.
+def locate_branch_point(problem: ContinuationProblem, a: CurvePoint, b: CurvePoint) -> SpecialPoint:
+    """Find the simple branch point between two points, where the Jacobian loses a rank.
 
-    With J bordered by a column and two rows, J^T psi + C^T g = 0, b psi = 1: g (2,) is zero where
-    J has a rank less. Newton's method for g = 0 on the surface F(u) + beta b = 0, which has two
-    dimensions and on which beta is zero in a branch point of F. The derivatives of g are those of
-    the quadratic form psi F''(v, v) in the plane of tangents v, whose zeros are both branches
-    (W. Govaerts, Numerical Methods for Bifurcations of Dynamical Equilibria, SIAM 2000, ch. 3, 8).
-    Raises AnalysisError where there is none.
+    With J bordered by a column and two rows, J^T psi + C^T g = 0, b psi = 1: g (2,) is zero where J
+    has a rank less. Newton's method solves g = 0 on the two-dimensional surface F(u) + beta b = 0,
+    on which beta is zero at a branch point of F. The derivatives of g are those of the quadratic
+    form psi F''(v, v) in the plane of tangents v, whose zeros are both branches (W. Govaerts,
+    Numerical Methods for Bifurcations of Dynamical Equilibria, SIAM 2000, ch. 3, 8). Raises
+    AnalysisError where there is none.
     """
     near = a if abs(a.tangent[-1]) >= abs(b.tangent[-1]) else b
     rows, column = _borders(problem, near)
@@ -111,8 +120,8 @@ def branch_point(problem: Problem, a: Point, b: Point) -> Special:
     reach, size, quick = problem.length(b.u - a.u), len(near.u), False
     before = np.inf
     for _ in range(ITERATIONS):
-        F, J = problem.at(u)
-        factors = Bordered(J, rows, column[:, None])
+        F, J = problem.evaluate(u)
+        factors = BorderedMatrix(J, rows, column[:, None])
         back = factors.solve(np.append(-(F + beta * column), [0.0, 0.0]))
         u, beta = u + back[:-1], beta + back[-1]
         if np.abs(back).max() > NOISE and not quick:
@@ -122,7 +131,7 @@ def branch_point(problem: Problem, a: Point, b: Point) -> Special:
         V = factors.solve(np.vstack((np.zeros((size - 1, 2)), np.eye(2))))
         left = factors.solve(np.append(np.zeros(size), 1.0), transposed=True)
         psi, g = left[:-2], left[-2:]
-        form = _form(problem, u, psi, V[:-1])
+        form = _quadratic_form(problem, u, psi, V[:-1])
         try:
             turn = np.linalg.solve(form, g)
         except np.linalg.LinAlgError:
@@ -136,15 +145,17 @@ def branch_point(problem: Problem, a: Point, b: Point) -> Special:
         if settled:
             if abs(beta) > IMPERFECT:
                 raise AnalysisError(f"two branches pass each other by {abs(beta):.1e}")
-            return Special(BRANCH, u, ways=_ways(problem, form, V[:-1], near.tangent))
+            return SpecialPoint(
+                BRANCH, u, ways=_branch_tangents(problem, form, V[:-1], near.tangent)
+            )
     raise AnalysisError("Newton's method does not converge")
 
 
-def _borders(problem: Problem, near: Point) -> tuple[Array, Array]:
-    """Two rows, the tangent and what is next to it in the kernel of the derivatives, and a column
-    next to their left kernel."""
+def _borders(problem: ContinuationProblem, near: CurvePoint) -> tuple[Array, Array]:
+    """Two border rows, the tangent and a second vector near the kernel of the Jacobian, and a
+    border column near its left kernel."""
     row = problem.weights * near.tangent
-    factors = Bordered(problem.at(near.u)[1], row[None])
+    factors = BorderedMatrix(problem.evaluate(near.u)[1], row[None])
     x = y = np.cos(np.arange(len(row)) ** 2 / 7.0)
     for _ in range(WAYS):
         x, y = factors.solve(x), factors.solve(y, transposed=True)
@@ -155,19 +166,19 @@ def _borders(problem: Problem, near: Point) -> tuple[Array, Array]:
     return np.stack((row / np.linalg.norm(row), x / np.linalg.norm(x))), left
 
 
-def _form(problem: Problem, u: Array, psi: Array, V: Array) -> Array:
-    """psi F''(v, v) of the columns v of V, by differences of the derivatives (2, 2)."""
+def _quadratic_form(problem: ContinuationProblem, u: Array, psi: Array, V: Array) -> Array:
+    """Quadratic form psi F''(v, v) (2, 2) on the columns v of V, by differences of the Jacobian."""
     made = np.zeros((2, 2))
     for at, v in enumerate(V.T):
         step = NUDGE / np.abs(v).max() * v
-        up, down = problem.at(u + step)[1], problem.at(u - step)[1]
+        up, down = problem.evaluate(u + step)[1], problem.evaluate(u - step)[1]
         scale = np.abs(v).max() / (2 * NUDGE)
         made[at] = scale * (psi @ (up @ V) - psi @ (down @ V))
     return (made + made.T) / 2
 
 
-def _ways(problem: Problem, form: Array, V: Array, like: Array) -> Array:
-    """Both unit tangents of a branch point, first that which is like another one."""
+def _branch_tangents(problem: ContinuationProblem, form: Array, V: Array, like: Array) -> Array:
+    """Both unit tangents (2, N + 1) at a branch point, first the one closer to another tangent."""
     sizes, axes = np.linalg.eigh(form)
     if sizes[0] * sizes[1] >= 0:
         raise AnalysisError("no other branch crosses: its curvatures have one sign")

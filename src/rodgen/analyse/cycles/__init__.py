@@ -1,1 +1,1 @@
-"""Periodic motions: found by shooting, their multipliers, their branches, nonlinear modes."""
+"""Periodic motions: their search, multipliers, and branches, and nonlinear modes."""

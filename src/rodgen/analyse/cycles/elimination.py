@@ -27,9 +27,9 @@ LARGER = 0.3  # of the largest: multipliers whose differences count
 
 
 @dataclass(frozen=True)
-class Condensed:
-    """A d_0 - B d_m + C e = c, with A, B (N, N), C (N, k), c (N,); tops: rows by which the inner
-    unknowns follow."""
+class CondensedSystem:
+    """Equations A d_0 - B d_m + C e = c, with A, B (N, N), C (N, k), c (N,); tops: rows for the
+    back substitution of the inner unknowns."""
 
     A: Array
     B: Array
@@ -40,8 +40,8 @@ class Condensed:
     @classmethod
     def of(
         cls, G: Sequence[Array], borders: Sequence[Array] = (), right: Sequence[Array] = ()
-    ) -> Condensed:
-        """From the segments G_i (N, N), their columns B_i (N, k) and right sides r_i (N,)."""
+    ) -> CondensedSystem:
+        """Eliminate inner unknowns of segments G (N, N), columns B (N, k), right sides r (N,)."""
         size = len(G[0])
         columns = borders or [np.zeros((size, 0))] * len(G)
         values = right or [np.zeros(size)] * len(G)
@@ -56,9 +56,9 @@ class Condensed:
             A, B, C, c = A[size:], after[size:], C[size:], c[size:]
         return cls(A, B, C, c, tuple(tops))
 
-    def solved(self, rows: Array, values: Array) -> tuple[Array, Array]:
-        """d (m, N) and e (k,) with so many conditions more: rows (k, N + k) on d_0 and e, and their
-        values (k,). Raises AnalysisError for a singular system."""
+    def solve(self, rows: Array, values: Array) -> tuple[Array, Array]:
+        """Solve for d (m, N) and e (k,) with k more conditions: rows (k, N + k) on d_0 and e, and
+        their values (k,). Raises AnalysisError for a singular system."""
         size = len(self.A)
         matrix = np.vstack((np.hstack((self.A - self.B, self.C)), rows))
         scale = 1 / np.maximum(np.abs(matrix).max(axis=1), 1e-300)
@@ -79,8 +79,8 @@ class Condensed:
         """All mu with A v = mu B v (N,), the largest first; infinite where B v = 0."""
         return self._pencil[0]
 
-    def vectors(self) -> tuple[Complex, Complex]:
-        """Multipliers, the largest first, and their vectors (N, N) at the start, in columns."""
+    def eigenpairs(self) -> tuple[Complex, Complex]:
+        """Multipliers, the largest first, and eigenvectors (N, N) at the start, in columns."""
         return self._pencil
 
     @property
@@ -92,11 +92,11 @@ class Condensed:
 
 def multipliers(G: Sequence[Any]) -> Complex:
     """Floquet multipliers (N,) of segments G (m, N, N) in the order of time, the largest first."""
-    return Condensed.of([np.asarray(one) for one in G]).multipliers()
+    return CondensedSystem.of([np.asarray(one) for one in G]).multipliers()
 
 
-def apart(finer: Complex, coarser: Complex) -> float:
-    """By how much the larger multipliers differ, relative to the largest."""
+def multiplier_difference(finer: Complex, coarser: Complex) -> float:
+    """Largest difference between the larger multipliers, relative to the largest one."""
     largest = float(np.abs(finer[0]))
     larger = finer[np.abs(finer) >= LARGER * largest]
     return float(max(np.abs(coarser - one).min() for one in larger)) / max(largest, 1e-300)

@@ -1,10 +1,10 @@
 """Stability of a periodic motion under periodic loads: Floquet multipliers.
 
-The tangents of a state go on over a period, in segments of it; the multipliers are the eigenvalues
-of the product of their maps. Products of many maps lose what is small, and all digits where a map
-grows much: the eigenvalues are those of a block-cyclic matrix of the single maps, whose m-th powers
-they are (T. F. Fairgrieve, A. D. Jepson, SIAM J. Numer. Anal. 28 (1991) 1446; K. Lust, Int. J.
-Bifurcation Chaos 11 (2001) 2389).
+Tangents of the state are integrated over the segments of a period; the multipliers are the
+eigenvalues of the product of their maps. Products of many maps lose what is small, and all digits
+where a map grows much. So the eigenvalues are found as m-th powers of those of a block-cyclic
+matrix of the m maps (T. F. Fairgrieve, A. D. Jepson, SIAM J. Numer. Anal. 28 (1991) 1446; K. Lust,
+Int. J. Bifurcation Chaos 11 (2001) 2389).
 """
 
 from __future__ import annotations
@@ -18,19 +18,19 @@ from types import ModuleType
 import numpy as np
 from numpy.typing import ArrayLike
 
+from rodgen.analyse.analysis_guard import guard_analysis
 from rodgen.analyse.chaos.zero_exponents import zero_exponents
-from rodgen.analyse.cycles.drive import load_period
-from rodgen.analyse.cycles.elimination import Complex, apart
-from rodgen.analyse.guard import guarded
-from rodgen.analyse.sizes import FLOQUET, check_size
+from rodgen.analyse.cycles.elimination import Complex, multiplier_difference
+from rodgen.analyse.cycles.forcing import load_period
+from rodgen.analyse.memory_needs import FLOQUET, check_analysis_memory
 from rodgen.analyse.statics import static_equilibrium
 from rodgen.arrays import Array
 from rodgen.display import Plottable
 from rodgen.errors import AnalysisError, InputError
 from rodgen.integrate.stepper import StepError
-from rodgen.integrate.stretches import window
-from rodgen.integrate.variations import PARTS, Steps, Variations
-from rodgen.result import ASKED, FLAG, USUAL, Kept, Result, Row, hidden
+from rodgen.integrate.stretches import with_span
+from rodgen.integrate.variations import PARTS, StepSettings, Variations
+from rodgen.result import ASKED, FLAG, USUAL, Result, Row, StudyStorage, omit_from_tables
 from rodgen.scene import Scene
 from rodgen.system import System
 
@@ -84,13 +84,18 @@ class Floquet(Result, Plottable):
     ROWS = (
         Row("period", "period", "s", ".12g", kept=ASKED),
         Row("modulus", "largest multiplier", text=lambda found: found._largest, kept=USUAL),
-        Row("argument", "its angle", "rad", text=hidden, kept=ASKED),
+        Row("argument", "its angle", "rad", text=omit_from_tables, kept=ASKED),
         Row("growth", "growth", "1/s", ".6g", kept=USUAL),
-        Row("moduli", "moduli of the multipliers", text=hidden, kept=Kept(several=4)),
-        Row("multipliers", "multipliers", text=hidden),
+        Row(
+            "moduli",
+            "moduli of the multipliers",
+            text=omit_from_tables,
+            kept=StudyStorage(several=4),
+        ),
+        Row("multipliers", "multipliers", text=omit_from_tables),
         Row("error", "error", format=".1e", kept=ASKED),
         Row("stable", "stable", kept=FLAG),
-        Row("y", "a state on it", text=hidden),
+        Row("y", "a state on it", text=omit_from_tables),
     )
 
     @property
@@ -130,7 +135,7 @@ class Floquet(Result, Plottable):
         return self.modulus <= 1 + max(10 * self.error, MEETING)
 
 
-@guarded
+@guard_analysis
 def floquet(
     system: System | Scene,
     *,
@@ -186,15 +191,15 @@ def floquet(
     True
     """
     system = System.of(system)
-    check_size(FLOQUET, system)
+    check_analysis_memory(FLOQUET, system)
     if isinstance(segments, bool) or not isinstance(segments, int) or not 1 <= segments <= 1000:
         raise InputError("segments", segments, "a whole number from 1 to 1000")
     model = model if model is not None else system.model(parts=PARTS)
     seconds = _period(system, model, period)
-    map_ = _Map(system, model, seconds, segments)
-    for guess in _guesses(system, y):
+    map_ = _PeriodMap(system, model, seconds, segments)
+    for guess in _initial_guesses(system, y):
         try:
-            y, multipliers, error, closed = map_.fixed(guess)
+            y, multipliers, error, closed = map_.fixed_point(guess)
             return Floquet(multipliers, seconds, y, error, closed, map_.places)
         except (AnalysisError, StepError) as error:
             why = error
@@ -216,8 +221,8 @@ def _period(system: System, model: ModuleType, given: float | None) -> float:
     return found
 
 
-def _guesses(system: System, y: ArrayLike | None) -> Iterator[Array]:
-    """States near which the motion is looked for."""
+def _initial_guesses(system: System, y: ArrayLike | None) -> Iterator[Array]:
+    """Initial guesses of a state on the motion."""
     given = system.y0
     if y is not None:
         state = np.array(y, dtype=float)
@@ -225,7 +230,7 @@ def _guesses(system: System, y: ArrayLike | None) -> Iterator[Array]:
             raise InputError("y", f"of shape {state.shape}", f"a state, ({len(given)},)")
         yield state
         return
-    half = (len(given) - len(system.added)) // 2
+    half = (len(given) - len(system.extra_states)) // 2
     still = given.copy()
     still[half : 2 * half] = 0.0
     yield still
@@ -233,22 +238,22 @@ def _guesses(system: System, y: ArrayLike | None) -> Iterator[Array]:
         yield static_equilibrium(system).y
 
 
-class _Map:
-    """What a period makes of a state and of its changes."""
+class _PeriodMap:
+    """Map of a state and of its tangents over a period."""
 
     def __init__(self, system: System, model: ModuleType, period: float, segments: int):
         self.period, self._model = period, model
         self._start = system.settings.span[0]
         self._times = self._start + period * np.linspace(0.0, 1.0, segments + 1)
         self._p = system.p
-        steps = Steps.of(window(system.scene, self._start, self._start + period))
+        steps = StepSettings.of(with_span(system.scene, self._start, self._start + period))
         self._steps = replace(steps, method="dop853", step=0.0, rtol=RTOL, atol=ATOL)
         states = len(system.y0)
-        self.places = _places(system.scene, model, states)
+        self.places = _relevant_states(system.scene, model, states)
 
-    def over(self, y: Array, least: int) -> tuple[Array, list[Array], int]:
-        """The state after a period, the maps (k, k) of its segments with so many steps, and how
-        many steps were taken."""
+    def integrate(self, y: Array, least: int) -> tuple[Array, list[Array], int]:
+        """Integrate over a period, in at least so many steps. Returns the state at the end, the
+        maps (k, k) of the segments, and how many steps were taken."""
         longest = min(self._steps.longest, self.period / least)
         on = Variations(
             *(self._model, self._p, self._start, y, np.eye(len(y))),
@@ -256,22 +261,22 @@ class _Map:
         )
         maps = []
         for end in self._times[1:]:
-            on.on(end)
+            on.advance_to(end)
             maps.append(on.tangents.T[np.ix_(self.places, self.places)])
             on.tangents = np.eye(len(y))
         return on.y, maps, on.counts[0]
 
-    def resolved(self, y: Array, maps: list[Array], steps: int) -> tuple[Complex, float]:
-        """The multipliers with steps short enough for tangents, and by how much the larger ones
-        change with half of them: about a motion that rests there is no error that would tell
-        steps how long to be, and fast motions that are quiet let them be as long as is stable."""
-        found = multipliers_of(maps)
+    def resolve_multipliers(self, y: Array, maps: list[Array], steps: int) -> tuple[Complex, float]:
+        """Multipliers with steps short enough for tangents, and the change of the larger ones from
+        steps twice as long. About a motion at rest, no error tells how long steps should be, and
+        fast motions that are quiet allow them to be as long as is stable."""
+        found = product_eigenvalues(maps)
         while steps < MOST:
             steps *= 2
             before = maps
-            _, maps, _ = self.over(y, steps)
-            finer = multipliers_of(maps)
-            off = apart(finer, found)
+            _, maps, _ = self.integrate(y, steps)
+            finer = product_eigenvalues(maps)
+            off = multiplier_difference(finer, found)
             changes = (
                 np.abs(b - a).max() / np.abs(a).max() for a, b in zip(maps, before, strict=True)
             )
@@ -280,18 +285,18 @@ class _Map:
             found = finer
         raise AnalysisError(f"{steps} steps are too few for a period")
 
-    def fixed(self, y: Array) -> tuple[Array, Complex, float, float]:
-        """The state that a period brings back, by Newton's method, its multipliers, and how well
-        these and the state are known."""
+    def fixed_point(self, y: Array) -> tuple[Array, Complex, float, float]:
+        """Find the state that returns after a period, by Newton's method; with its multipliers,
+        their error, and its closing error."""
         y, places = y.copy(), list(self.places)
         off = math.inf
         for _ in range(ITERATIONS):
-            after, maps, steps = self.over(y, FIRST)
+            after, maps, steps = self.integrate(y, FIRST)
             less = (after - y)[places]
             scale = 1.0 + float(np.abs(y[places]).max(initial=0.0))
             off = float(np.abs(less).max(initial=0.0)) / scale
             if off < CLOSED:
-                return y, *self.resolved(y, maps, steps), off
+                return y, *self.resolve_multipliers(y, maps, steps), off
             if not off < FAR:
                 break
             whole = np.linalg.multi_dot([*maps[::-1], np.eye(len(places))])
@@ -299,18 +304,22 @@ class _Map:
         raise AnalysisError(f"Newton's method does not converge (still {off:.1e} apart)")
 
 
-def _places(scene: Scene, model: ModuleType, states: int) -> tuple[int, ...]:
-    """Places in a state of what a motion depends on: without those of a rod that flies where its
-    equations do not know them."""
+def _relevant_states(scene: Scene, model: ModuleType, states: int) -> tuple[int, ...]:
+    """Indices of the states that the motion depends on: without joint 0 of a free rod whose
+    equations do not depend on its place."""
     places = range(states)
     damped = any(name in scene.structure.terms for name in ("external_damping", "drag"))
-    if not scene.hold.translates or damped or "place" not in zero_exponents(scene, model):
+    if (
+        not scene.boundary_condition.translates
+        or damped
+        or "place" not in zero_exponents(scene, model)
+    ):
         return tuple(places)
     half = (states - len(scene.states)) // 2
     return tuple(at for at in places if at not in (0, 1, half, half + 1))
 
 
-def multipliers_of(maps: Sequence[Array]) -> Complex:
+def product_eigenvalues(maps: Sequence[Array]) -> Complex:
     """Eigenvalues (k,) of the product of maps (k, k), the last one leftmost, the largest first:
     m-th powers of those of the block-cyclic matrix that has the m maps as its blocks."""
     count, size = len(maps), len(maps[0])

@@ -1,4 +1,4 @@
-"""The motion from a state on, and how small changes of that state are carried along."""
+"""Flow of a module: the motion from a state on, and the tangents that it carries along."""
 
 from __future__ import annotations
 
@@ -7,12 +7,12 @@ from types import ModuleType
 
 import numpy as np
 
-from rodgen.analyse.cycles.quotient import Quotient
+from rodgen.analyse.cycles.symmetry import SymmetryReduction
 from rodgen.arrays import Array
 from rodgen.errors import AnalysisError
-from rodgen.integrate.stability import dominant, limit
+from rodgen.integrate.stability import dominant, step_limit
 from rodgen.integrate.stepper import StepError
-from rodgen.integrate.variations import Steps, Variations
+from rodgen.integrate.variations import StepSettings, Variations
 
 # A period is to be right to 1e-8, a trivial multiplier as well. Radau's errors are a hundredth of
 # what it is allowed, measured on stiff cycles of 20 to 200 links.
@@ -23,27 +23,27 @@ ABSENT = 0.3  # damping ratio from which the fastest motion, gone before the cyc
 
 @dataclass(frozen=True)
 class Flow:
-    """Motions of a module with parameters p, of the states that count in a quotient; method: of
-    the steps, one of TOLERANCES."""
+    """Flow of a module with parameters p on the reduced states of a quotient; method: of the steps,
+    one of TOLERANCES."""
 
     model: ModuleType
     p: Array
-    quotient: Quotient
+    quotient: SymmetryReduction
     method: str = "dop853"
 
-    def suited(self, t: float, x: Array, period: float) -> Flow:
-        """With the steps that cost less about a state, over a period [s]: those of dop853 are as
-        short as the fastest motion asks for, though it may have died out."""
+    def choose_method(self, t: float, x: Array, period: float) -> Flow:
+        """Choose the cheaper method about a state, for a period [s]: steps of dop853 are as short
+        as the fastest motion asks for, though it may have died out."""
         if not hasattr(self.model, "VARIATIONS"):
             return self
-        fastest = dominant(self.model, t, self.quotient.lifted(x), self.p)
-        steps = period / limit("dop853", fastest.value, fastest.partner)
+        fastest = dominant(self.model, t, self.quotient.lift(x), self.p)
+        steps = period / step_limit("dop853", fastest.value, fastest.partner)
         stiff = fastest.damping > ABSENT and steps > MANY
         return replace(self, method="radau" if stiff else "dop853")
 
     def rates(self, t: float, x: Array) -> Array:
-        """Of the states that count (size,) at time t [s]."""
-        f: Array = self.model.rhs(t, self.quotient.lifted(x), self.p)[self.quotient.kept]
+        """Rates of the reduced states (size,) at time t [s]."""
+        f: Array = self.model.rhs(t, self.quotient.lift(x), self.p)[self.quotient.kept]
         return f
 
     def jacobian(self, t: float, x: Array) -> Array:
@@ -55,32 +55,32 @@ class Flow:
         """Rates (K, size) of states X (K, size) at times t (K,) [s], and their derivatives
         (K, size, size)."""
         kept, model, p = self.quotient.kept, self.model, self.p
-        states = list(zip(t.tolist(), self.quotient.lifted(X), strict=True))
+        states = list(zip(t.tolist(), self.quotient.lift(X), strict=True))
         f = np.array([model.rhs(at, y, p) for at, y in states])[:, kept]
         J = np.array([model.jac(at, y, p) for at, y in states])
         return f, J if len(kept) == J.shape[1] else J[:, kept[:, None], kept]
 
-    def carried(self, t: float, x: Array, span: float) -> Array:
-        """The state (size,) after a span [s] from x at time t on. Raises AnalysisError."""
-        return self._gone(t, x, span, np.zeros((len(x), 0)))[0]
+    def state_after(self, t: float, x: Array, span: float) -> Array:
+        """State (size,) after a span [s], from x at time t on. Raises AnalysisError."""
+        return self._integrate(t, x, span, np.zeros((len(x), 0)))[0]
 
-    def with_tangents(
+    def state_and_tangents_after(
         self, t: float, x: Array, span: float, V: Array | None = None
     ) -> tuple[Array, Array]:
-        """The state (size,) after a span [s], and what directions V (size, k), by default all, have
-        become (size, k). Raises AnalysisError."""
-        return self._gone(t, x, span, np.eye(len(x)) if V is None else V)
+        """State (size,) after a span [s], and the directions V (size, k), by default all, carried
+        along with it (size, k). Raises AnalysisError."""
+        return self._integrate(t, x, span, np.eye(len(x)) if V is None else V)
 
-    def _gone(self, t: float, x: Array, span: float, V: Array) -> tuple[Array, Array]:
+    def _integrate(self, t: float, x: Array, span: float, V: Array) -> tuple[Array, Array]:
         kept = self.quotient.kept
-        y = self.quotient.lifted(x)
+        y = self.quotient.lift(x)
         directions = np.zeros((V.shape[1], len(y)))
         directions[:, kept] = V.T
         rtol, atol = TOLERANCES[self.method]
-        steps = Steps(self.method, rtol=rtol, atol=atol)
+        steps = StepSettings(self.method, rtol=rtol, atol=atol)
         try:
             motion = Variations(self.model, self.p, t, y, directions, steps)
-            motion.on(t + span)
+            motion.advance_to(t + span)
         except StepError as error:
             raise AnalysisError(f"the motion cannot be followed: {error}") from None
         end, grown = motion.y[kept], motion.tangents[:, kept].T

@@ -22,7 +22,7 @@ import scipy.linalg
 from numpy.typing import NDArray
 
 from rodgen.analyse.branches.equilibria import Equilibria
-from rodgen.analyse.curves.curve import Special
+from rodgen.analyse.curves.curve import SpecialPoint
 from rodgen.analyse.cycles.flow import Flow
 from rodgen.arrays import Array
 from rodgen.errors import AnalysisError
@@ -40,9 +40,9 @@ SIDE = 1e-4  # of the range, to either side of a Hopf point, of differences alon
 
 
 @dataclass(frozen=True)
-class Hopf:
-    """value: of the number of the scene; frequency [rad/s]; slope: of the eigenvalue s by it;
-    coefficient: c of the normal form; x: the equilibrium (size,); way: q (size,), whose
+class HopfPoint:
+    """A Hopf point. value: of the number of the scene; frequency [rad/s]; slope: of the eigenvalue
+    s by it; coefficient: c of the normal form; x: the equilibrium (size,); way: q (size,), whose
     largest angle is 1."""
 
     value: float
@@ -62,9 +62,9 @@ class Hopf:
         """Whether the cycles that begin here attract on the centre manifold."""
         return self.coefficient.real < 0
 
-    def beside(self, amplitude: float) -> tuple[Array, float, float]:
-        """A state (size,), the value and the period [s] of the cycle whose angles differ from the
-        equilibrium by so much at most [rad]."""
+    def cycle_guess(self, amplitude: float) -> tuple[Array, float, float]:
+        """State (size,), value and period [s], by the normal form, of the cycle whose angles differ
+        from the equilibrium by at most an amplitude [rad]."""
         square = (amplitude / 2) ** 2
         aside = -self.coefficient.real / self.slope.real * square
         turned = self.frequency + self.coefficient.imag * square + self.slope.imag * aside
@@ -72,25 +72,27 @@ class Hopf:
         return x, self.value + aside, 2 * np.pi / turned
 
 
-def hopf_at(problem: Equilibria, special: Special, at: Callable[[float], Flow]) -> Hopf:
-    """The Hopf point of a branch of equilibria in a special point; at: the flow at a value. Raises
-    AnalysisError where no oscillation crosses, and where there is no normal form."""
+def hopf_point(
+    problem: Equilibria, special: SpecialPoint, at: Callable[[float], Flow]
+) -> HopfPoint:
+    """Compute the Hopf point at a special point of equilibria; at: gives the flow at a value.
+    Raises AnalysisError where no oscillation crosses, and where there is no normal form."""
     value, frequency = problem.value(special.u), 2 * np.pi * special.frequency
-    if problem.steady(special.u).kinked:
+    if problem.steady_state(special.u).has_kink:
         raise AnalysisError(
             f"no Hopf point at {value:.9g}: external damping is not smooth at rest, and no normal "
             "form has the cycles that begin there; start from a run"
         )
     if special.note:
         raise AnalysisError(f"no Hopf point at {value:.9g}: it is {special.note}")
-    if problem.linear(special.u, 1j * frequency).damping < WEAKEST:
+    if problem.linearise(special.u, 1j * frequency).damping < WEAKEST:
         raise AnalysisError(
             f"no Hopf point: near {value:.9g} oscillations meet and do not cross, as they do "
             "without damping; give the scene some"
         )
     flow = at(value)
     of = flow.quotient
-    x = problem.steady(special.u).y[of.kept]
+    x = problem.steady_state(special.u).y[of.kept]
     rates, A = flow.rates(0.0, x), flow.jacobian(0.0, x)
     if np.abs(rates).max() > STILL * (np.abs(A) @ np.maximum(np.abs(x), 1.0)).max():
         raise AnalysisError(
@@ -99,27 +101,27 @@ def hopf_at(problem: Equilibria, special: Special, at: Callable[[float], Flow]) 
         )
     step = SIDE * problem.along.unit
 
-    def nearest(there: float) -> complex:
-        y = problem.steady(problem.at_value(special.u, there)).y
+    def nearest_eigenvalue(there: float) -> complex:
+        y = problem.steady_state(problem.solve_at(special.u, there)).y
         s = np.linalg.eigvals(at(there).jacobian(0.0, y[of.kept]))
         return complex(s[np.abs(s - 1j * frequency).argmin()])
 
-    slope = (nearest(value + step) - nearest(value - step)) / (2 * step)
+    slope = (nearest_eigenvalue(value + step) - nearest_eigenvalue(value - step)) / (2 * step)
     if abs(slope.real) * problem.along.unit <= TOUCH * frequency:
         raise AnalysisError(f"the oscillation at {value:.9g} does not cross: it only touches")
     led = np.union1d(of.led, of.velocity)
     way, c = normal_form(lambda x: flow.jacobian(0.0, x), x, frequency, of.angles, led)
-    return Hopf(value, frequency, slope, c, x, way)
+    return HopfPoint(value, frequency, slope, c, x, way)
 
 
 def normal_form(
     J: Callable[[Array], Array], x: Array, frequency: float, angles: Places, rates: Places
 ) -> tuple[Complex, complex]:
-    """The critical vector q (size,), its largest angle 1, and c; angles, rates: which of the states
-    are angles, and rates of them or of places. Raises AnalysisError where the equations are not
-    smooth."""
+    """Critical vector q (size,), its largest angle 1, and c of the normal form; angles, rates:
+    indices of states that are angles, and rates of angles or places. Raises AnalysisError where the
+    equations are not smooth."""
     A = J(x)
-    q, p = _vectors(A, frequency)
+    q, p = _critical_vectors(A, frequency)
     q = q / q[angles[np.abs(q[angles]).argmax()]]
     p = p / (p.conj() @ q).conj()
     # Rates are as large as the frequency: the others tell how far a direction goes.
@@ -135,7 +137,7 @@ def normal_form(
     return q, c
 
 
-def _vectors(A: Array, frequency: float) -> tuple[Complex, Complex]:
+def _critical_vectors(A: Array, frequency: float) -> tuple[Complex, Complex]:
     s, left, right = scipy.linalg.eig(A, left=True)
     k = int(np.abs(s - 1j * frequency).argmin())
     return right[:, k], left[:, k]
@@ -151,7 +153,7 @@ def _coefficient(
     units: Array,
     step: float,
 ) -> complex:
-    def along(way: NDArray[Any]) -> tuple[NDArray[Any], NDArray[Any]]:
+    def derivatives_along(way: NDArray[Any]) -> tuple[NDArray[Any], NDArray[Any]]:
         """First and second derivatives of J along a direction."""
         size = float(np.abs(way / units).max())
         if not size:
@@ -161,11 +163,13 @@ def _coefficient(
         first, second = (np.tensordot(w, stack, 1) for w in (FIRST, SECOND))
         return first / h, second / h**2
 
-    (Ba, Caa), (Bb, Cbb) = along(q.real), along(q.imag)
+    (Ba, Caa), (Bb, Cbb) = derivatives_along(q.real), derivatives_along(q.imag)
     third = (Caa + Cbb) @ q
     qq, mixed = (Ba + 1j * Bb) @ q, (Ba + 1j * Bb) @ q.conj()
     still = np.linalg.lstsq(A, mixed.real, rcond=1e-10)[0]
     double = np.linalg.solve(2j * frequency * np.eye(len(A)) - A, qq)
-    first = along(still)[0] @ q
-    conjugate = along(double.real)[0] @ q.conj() + 1j * (along(double.imag)[0] @ q.conj())
+    first = derivatives_along(still)[0] @ q
+    conjugate = derivatives_along(double.real)[0] @ q.conj() + 1j * (
+        derivatives_along(double.imag)[0] @ q.conj()
+    )
     return complex(p.conj() @ (third - 2 * first + conjugate)) / 2

@@ -14,27 +14,32 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from rodgen.analyse.curves.continuation import Steps, continued
-from rodgen.analyse.curves.curve import Curve, Point, corrected, point_at
-from rodgen.analyse.curves.datasets import SPECIAL_ROWS, attributes, kept, special_values
-from rodgen.analyse.cycles.closing import Orbit
-from rodgen.analyse.cycles.conserved import Conserved
-from rodgen.analyse.cycles.cycle import Cycle, nontrivial
+from rodgen.analyse.analysis_guard import guard_analysis
+from rodgen.analyse.curves.continuation import StepControl, continue_curve
+from rodgen.analyse.curves.curve import Curve, CurvePoint, correct, point_at
+from rodgen.analyse.curves.curve_datasets import (
+    SPECIAL_ROWS,
+    attributes,
+    make_dataset,
+    special_variables,
+)
+from rodgen.analyse.cycles.conserved_quantities import ConservedQuantities
+from rodgen.analyse.cycles.cycle_result import Cycle, nontrivial
+from rodgen.analyse.cycles.cycle_search import CycleSearch, check_segments
 from rodgen.analyse.cycles.elimination import Complex
 from rodgen.analyse.cycles.flow import Flow
-from rodgen.analyse.cycles.orbits import Orbits
-from rodgen.analyse.cycles.search import Search, segments_of
-from rodgen.analyse.cycles.shooting import SEGMENTS, Shooting, cut
-from rodgen.analyse.guard import guarded
-from rodgen.analyse.sizes import CYCLE, check_size
-from rodgen.analyse.steady import steady
+from rodgen.analyse.cycles.orbit_problem import OrbitProblem
+from rodgen.analyse.cycles.periodicity import Orbit
+from rodgen.analyse.cycles.shooting import SEGMENTS, Shooting, segment_states
+from rodgen.analyse.memory_needs import CYCLE, check_analysis_memory
 from rodgen.analyse.steady_rod import SteadyRod
+from rodgen.analyse.steady_state import find_steady_state
 from rodgen.arrays import Array
-from rodgen.dataset_result import POINT, SPECIAL, variables
+from rodgen.dataset_result import POINT, SPECIAL, dataset_variables
 from rodgen.errors import AnalysisError, InputError
 from rodgen.result import Row
 from rodgen.scene import Scene
-from rodgen.scene.plain import is_number, plain
+from rodgen.scene.plain_tables import is_number, to_plain
 from rodgen.system import System
 
 if TYPE_CHECKING:
@@ -65,39 +70,39 @@ SAMPLES = 64  # of a period
 TRIAL = 1e-3  # rad: a motion by whose energy others are sized
 
 
-class Family(Orbits):
-    """The motions of a mode; beside their own unknowns one for each conserved quantity, which is
-    zero, and the root of the energy over the largest."""
+class ModeFamily(OrbitProblem):
+    """Continuation problem of the periodic motions of a mode. u ends with an unknown for each
+    conserved quantity, zero in solutions, and the root of energy over the largest energy."""
 
     def __init__(self, flow: Flow, rest: Array, orbit: Orbit, energy: float):
         """rest: the state (size,) about which it swings; energy: the largest above it [J]."""
-        self.flow, self.energy, self.conserved = flow, energy, Conserved(flow)
+        self.flow, self.energy, self.conserved = flow, energy, ConservedQuantities(flow)
         self.lowest = self.conserved.values(rest)
         self.kept = len(self.lowest)
         super().__init__(flow.quotient, orbit, self.kept + 1)
-        self.look_from(orbit)
+        self.set_phase(orbit)
 
     @property
     def trivial(self) -> int:
-        """How many multipliers are 1 all along."""
+        """Number of multipliers that are 1 along the whole family."""
         return 2 * self.kept
 
-    def look_from(self, orbit: Orbit) -> None:
-        """Let the phase be that of an orbit."""
-        self.look_along(Shooting(self.flow).directions(orbit), orbit)
+    def set_phase(self, orbit: Orbit) -> None:
+        """Set the phase condition by an orbit."""
+        self.set_phase_condition(Shooting(self.flow).phase_directions(orbit), orbit)
 
     def shooting(self, u: Array) -> Shooting:
         return Shooting(self.flow)
 
-    def packed(self, orbit: Orbit) -> Array:
-        """u of an orbit."""
+    def pack(self, orbit: Orbit) -> Array:
+        """Pack an orbit into u."""
         above = float(self.conserved.values(orbit.x[0])[0] - self.lowest[0])
         root = np.sqrt(max(above, 0) / self.energy)
-        return np.concatenate([*self.start_of(orbit), np.zeros(self.kept), [root]])
+        return np.concatenate([*self.pack_orbit(orbit), np.zeros(self.kept), [root]])
 
-    def at(self, u: Array) -> tuple[Array, Array]:
-        orbit, _ = self.known(u)
-        F, J, first = self.closing(u)
+    def evaluate(self, u: Array) -> tuple[Array, Array]:
+        orbit, _ = self.orbit_and_linearisation(u)
+        F, J, first = self.closing_equations(u)
         size, states = len(self.scale), self.states
         gradients = self.conserved.gradients(orbit.x[0])
         extra = slice(first, first + self.kept)
@@ -112,30 +117,30 @@ class Family(Orbits):
         J[rows.start, -1], F[rows.start] = -2 * u[-1], F[rows.start] - u[-1] ** 2
         return F, J
 
-    def unstable(self, u: Array) -> int:
+    def count_unstable(self, u: Array) -> int:
         left = nontrivial(self.multipliers(u), self.trivial)
         return int((np.abs(left) > 1 + GROWS).sum())
 
 
 class _Rest(NamedTuple):
-    """A search, its flow about rest, the state of rest (size,), and of all modes that swing the
-    frequencies [rad/s] and shapes (size, k), the slowest first."""
+    """A scene at rest: its search, the flow, the state x (size,), and the frequencies [rad/s] and
+    shapes (size, k) of all modes that oscillate, the slowest first."""
 
-    search: Search
+    search: CycleSearch
     flow: Flow
     x: Array
     frequencies: Array
     shapes: Complex
 
 
-def _prepared(system: System, target: str | None) -> _Rest:
-    check_size(CYCLE, system)
-    search = Search.of(system, target)
-    if not search.conservative:
-        what = ", ".join(search.at_work) or "loads that change"
+def _find_rest(system: System, target: str | None) -> _Rest:
+    check_analysis_memory(CYCLE, system)
+    search = CycleSearch.of(system, target)
+    if not search.is_conservative:
+        what = ", ".join(search.working_loads) or "loads that change"
         raise InputError("mode", system.name, f"of a scene without dissipation (it has {what})")
-    state = steady(SteadyRod.of(search.system))
-    y = state.rod.at_rest(state.at)
+    state = find_steady_state(SteadyRod.of(search.system))
+    y = state.rod.state_at_rest(state.at)
     flow = search.flow(0.0, y)
     x = y[flow.quotient.kept]
     s, vectors = np.linalg.eig(flow.jacobian(0.0, x))
@@ -146,45 +151,47 @@ def _prepared(system: System, target: str | None) -> _Rest:
     return _Rest(search, flow, x, s[order].imag, vectors[:, order] / largest)
 
 
-def _family(rest: _Rest, mode: int, energy: float, segments: int) -> tuple[Family, Point]:
-    """The family of a mode, and its first motion."""
-    mode, energy = _checked(mode, energy)
+def _make_family(
+    rest: _Rest, mode: int, energy: float, segments: int
+) -> tuple[ModeFamily, CurvePoint]:
+    """Set up the family of a mode, and its first motion."""
+    mode, energy = _check_arguments(mode, energy)
     if mode > len(rest.frequencies):
         allowed = f"the number of a mode that swings, 1 to {len(rest.frequencies)}"
         raise InputError("mode", mode, allowed)
     q = rest.shapes[:, mode - 1]
-    size = SMALL * TRIAL * np.sqrt(energy / _above(rest, q))
+    size = SMALL * TRIAL * np.sqrt(energy / _energy_above_rest(rest, q))
     orbits = []
     for times in (1.0, 2.0):
         turned = np.exp(2j * np.pi * np.arange(segments) / segments)
         x = rest.x + times * size * (turned[:, None] * q).real
         orbits.append(Orbit(x, 0.0, 2 * np.pi / rest.frequencies[mode - 1], 0.0, times * size))
-    family = Family(rest.flow, rest.x, orbits[0], energy)
-    guess, larger = (family.packed(one) for one in orbits)
+    family = ModeFamily(rest.flow, rest.x, orbits[0], energy)
+    guess, larger = (family.pack(one) for one in orbits)
     row = np.append(np.zeros(len(guess) - 1), 1.0)
-    found = corrected(family, guess, row)
+    found = correct(family, guess, row)
     return family, point_at(family, found, (larger - guess) / family.length(larger - guess))
 
 
-def _above(rest: _Rest, q: Complex) -> float:
+def _energy_above_rest(rest: _Rest, q: Complex) -> float:
     """Energy above rest [J] of a small motion along a shape."""
-    conserved = Conserved(rest.flow)
+    conserved = ConservedQuantities(rest.flow)
     moved, still = (conserved.values(x)[0] for x in (rest.x + TRIAL * q.real, rest.x))
     return float(moved - still)
 
 
-def _followed(family: Family, first: Point, step: float, most: int) -> Curve:
-    """The family from its first motion up to the largest energy."""
+def _follow_family(family: ModeFamily, first: CurvePoint, step: float, most: int) -> Curve:
+    """Follow the family from its first motion up to the largest energy."""
 
-    def seen(point: Point) -> None:
-        family.look_from(family.orbit(point.u))
+    def on_point(point: CurvePoint) -> None:
+        family.set_phase(family.orbit(point.u))
 
-    steps = Steps(first=step / 10, least=1e-7, longest=step, most=most)
-    return continued(family, first, 0.0, 1.0, steps, watch=seen)
+    steps = StepControl(first=step / 10, least=1e-7, longest=step, most=most)
+    return continue_curve(family, first, 0.0, 1.0, steps, watch=on_point)
 
 
-def _checked(mode: object, energy: object) -> tuple[int, float]:
-    number, most = plain(mode, "mode"), plain(energy, "energy")
+def _check_arguments(mode: object, energy: object) -> tuple[int, float]:
+    number, most = to_plain(mode, "mode"), to_plain(energy, "energy")
     if not (isinstance(number, int) and number >= 1):
         raise InputError("mode", mode, "a whole number of at least 1")
     if not (is_number(most) and 0 < most < np.inf):
@@ -192,7 +199,7 @@ def _checked(mode: object, energy: object) -> tuple[int, float]:
     return number, float(most)
 
 
-@guarded
+@guard_analysis
 def continue_mode(
     system: System | Scene,
     mode: int = 1,
@@ -255,33 +262,33 @@ def continue_mode(
     >>> bool(family.frequency[-1] < family.attrs["linear_frequency"])
     True
     """
-    rest = _prepared(System.of(system), target)
-    family, first = _family(rest, mode, energy, segments_of(segments))
-    curve = _followed(family, first, step, most)
-    return kept(curve, lambda: _dataset(rest, family, curve, mode))
+    rest = _find_rest(System.of(system), target)
+    family, first = _make_family(rest, mode, energy, check_segments(segments))
+    curve = _follow_family(family, first, step, most)
+    return make_dataset(curve, lambda: _dataset(rest, family, curve, mode))
 
 
-def _dataset(rest: _Rest, family: Family, curve: Curve, mode: int) -> xarray.Dataset:
+def _dataset(rest: _Rest, family: ModeFamily, curve: Curve, mode: int) -> xarray.Dataset:
     import xarray
 
-    rows = [_row(family, point.u) for point in curve.points]
+    rows = [_point_values(family, point.u) for point in curve.points]
     values = {name: np.array([row[name] for row in rows]) for name in rows[0]}
     values["unstable"] = np.array([point.unstable for point in curve.points])
     values["special_energy"] = np.array(
         [float(s.u[-1]) ** 2 * family.energy for s in curve.special]
     )
-    values |= special_values(curve.special)
+    values |= special_variables(curve.special)
     said = attributes(FORMAT, rest.search.system.scene, curve, 0.0) | {
         "mode": mode,
         "linear_frequency": float(rest.frequencies[mode - 1]) / (2 * np.pi),
     }
-    return xarray.Dataset(variables(ROWS, values, DIMS), {"part": ["re", "im"]}, said)
+    return xarray.Dataset(dataset_variables(ROWS, values, DIMS), {"part": ["re", "im"]}, said)
 
 
-def _row(family: Family, u: Array) -> dict[str, Any]:
-    """What there is to say of the motion of u."""
+def _point_values(family: ModeFamily, u: Array) -> dict[str, Any]:
+    """Values of the motion at u, by the names of variables."""
     orbit, q = family.orbit(u), family.flow.quotient
-    x = cut(family.flow, orbit.t, orbit.x[0], orbit.period, SAMPLES)
+    x = segment_states(family.flow, orbit.t, orbit.x[0], orbit.period, SAMPLES)
     angles = x[:, q.angles]
     if q.turns:
         angles = angles - angles.mean(axis=1, keepdims=True)
@@ -293,12 +300,12 @@ def _row(family: Family, u: Array) -> dict[str, Any]:
         "period": orbit.period,
         "amplitude": float(np.ptp(angles, axis=0).max()) / 2,
         "multipliers": np.stack((left.real, left.imag), -1),
-        "y0": q.lifted(x[0]),
+        "y0": q.lift(x[0]),
         "energy_error": float(np.ptp(above) / above[0]),
     }
 
 
-@guarded
+@guard_analysis
 def nonlinear_mode(
     system: System | Scene,
     mode: int = 1,
@@ -348,12 +355,14 @@ def nonlinear_mode(
     >>> bool(1.0 < cycle.period < 3.0)
     True
     """
-    return _at_energy(_prepared(System.of(system), target), mode, energy, segments_of(segments))
+    return _cycle_at_energy(
+        _find_rest(System.of(system), target), mode, energy, check_segments(segments)
+    )
 
 
-def _at_energy(rest: _Rest, mode: int, energy: float, segments: int) -> Cycle:
-    family, first = _family(rest, mode, energy, segments)
-    curve = _followed(family, first, 2 * STEP, MOST).uninterrupted()
+def _cycle_at_energy(rest: _Rest, mode: int, energy: float, segments: int) -> Cycle:
+    family, first = _make_family(rest, mode, energy, segments)
+    curve = _follow_family(family, first, 2 * STEP, MOST).raise_interrupt()
     if not curve.complete:
         reached = family.energy * curve.points[-1].value ** 2
         raise AnalysisError(
@@ -362,14 +371,16 @@ def _at_energy(rest: _Rest, mode: int, energy: float, segments: int) -> Cycle:
     orbit = family.orbit(curve.points[-1].u)
     scale = float(np.ptp(orbit.x, axis=0).max())
     shooting = Shooting(family.flow)
-    return rest.search.cycle(shooting, shooting.closed(replace(orbit, scale=scale)), family.trivial)
+    return rest.search.make_cycle(
+        shooting, shooting.complete(replace(orbit, scale=scale)), family.trivial
+    )
 
 
-def of_start(system: System, segments: int, target: str | None) -> Cycle:
-    """The periodic motion of a system without dissipation with the energy of its initial state, of
-    the mode that has most of it. Raises AnalysisError for a rod that begins at rest."""
-    rest = _prepared(system, target)
-    conserved = Conserved(rest.flow)
+def mode_of_initial_state(system: System, segments: int, target: str | None) -> Cycle:
+    """Find the periodic motion with the energy of a system's initial state, of the mode that has
+    most of it. Raises AnalysisError for a rod that begins at rest."""
+    rest = _find_rest(system, target)
+    conserved = ConservedQuantities(rest.flow)
     x = rest.search.system.y0[rest.flow.quotient.kept]
     energy = float(conserved.values(x)[0] - conserved.values(rest.x)[0])
     shares, *_ = np.linalg.lstsq(
@@ -377,9 +388,9 @@ def of_start(system: System, segments: int, target: str | None) -> Cycle:
     )
     count = len(rest.frequencies)
     energies = [
-        (shares[k] ** 2 + shares[count + k] ** 2) * _above(rest, rest.shapes[:, k])
+        (shares[k] ** 2 + shares[count + k] ** 2) * _energy_above_rest(rest, rest.shapes[:, k])
         for k in range(count)
     ]
     if not (energy > 0 and max(energies, default=0.0) > 0):
         raise AnalysisError("no cycle: the rod begins at rest, and nothing moves it")
-    return _at_energy(rest, int(np.argmax(energies)) + 1, energy, segments)
+    return _cycle_at_energy(rest, int(np.argmax(energies)) + 1, energy, segments)

@@ -9,25 +9,25 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from rodgen.analyse.curves.twice import cycle_doubts, twice
-from rodgen.analyse.cycles.branch_data import nearest, on_branch
-from rodgen.analyse.cycles.cycle import PICARD, Cycle
-from rodgen.analyse.cycles.nonlinear_modes import of_start
-from rodgen.analyse.cycles.search import SHOOTING, WAYS, Search, segments_of
+from rodgen.analyse.analysis_guard import guard_analysis
+from rodgen.analyse.curves.mesh_check import cycle_doubts, double_links
+from rodgen.analyse.cycles.cycle_data import nearest_point, system_and_cycle_at
+from rodgen.analyse.cycles.cycle_result import PICARD, Cycle
+from rodgen.analyse.cycles.cycle_search import SHOOTING, WAYS, CycleSearch, check_segments
+from rodgen.analyse.cycles.nonlinear_modes import mode_of_initial_state
 from rodgen.analyse.cycles.shooting import SEGMENTS
-from rodgen.analyse.guard import guarded
-from rodgen.analyse.sizes import CYCLE, check_size
+from rodgen.analyse.memory_needs import CYCLE, check_analysis_memory
 from rodgen.arrays import Array
 from rodgen.errors import InputError
 from rodgen.scene import Scene
-from rodgen.scene.plain import is_number, plain
+from rodgen.scene.plain_tables import is_number, to_plain
 from rodgen.system import System
 
 if TYPE_CHECKING:
     import xarray
 
 
-@guarded
+@guard_analysis
 def find_cycle(
     system: System | Scene,
     *,
@@ -97,13 +97,13 @@ def find_cycle(
     (0.8395, True, True)
     """
     system = System.of(system)
-    check_size(CYCLE, system)
+    check_analysis_memory(CYCLE, system)
     if check_mesh:
         if y0 is not None or start is not None:
             beside = "y0" if start is None else "start"
             raise InputError("check_mesh", True, f"absent beside {beside}")
         given: dict[str, Any] = {"by": by, "segments": segments, "multipliers": multipliers}
-        found_twice = partial(find_cycle, twice(system.scene), **given, target=target)
+        found_twice = partial(find_cycle, double_links(system.scene), **given, target=target)
         found = find_cycle(system, **given, target=target)
         return found.with_notes(cycle_doubts(found, system.structure.links, found_twice))
     if by not in (None, *WAYS.values()):
@@ -114,36 +114,38 @@ def find_cycle(
     ):
         if value is not None and (by not in (None, way) or (segments and multipliers)):
             raise InputError(name, value, f"given with by = {way!r} alone")
-    segments = None if segments is None else segments_of(segments)
-    multipliers = None if multipliers is None else segments_of(multipliers, "multipliers")
+    segments = None if segments is None else check_segments(segments)
+    multipliers = None if multipliers is None else check_segments(multipliers, "multipliers")
     if start is not None:
         if y0 is not None or period is not None:
             raise InputError("start", "a branch", "absent beside y0 and period")
-        there, known = on_branch(start, nearest(start, system.scene) if at is None else at)
+        there, known = system_and_cycle_at(
+            start, nearest_point(start, system.scene) if at is None else at
+        )
         system = system if at is None else there
         y0, period = known.y0, known.period
     elif at is not None:
         raise InputError("at", at, "given with start, the branch whose point it is")
-    begun = _begun(system, y0, period)
-    search = replace(Search.of(system, target), by=by, segments=segments, leading=multipliers)
+    begun = _check_guess(system, y0, period)
+    search = replace(CycleSearch.of(system, target), by=by, segments=segments, leading=multipliers)
     if begun is not None:
-        return search.polished(*begun)
-    if search.conservative:
-        return of_start(system, segments or SEGMENTS, target)
-    return search.settled()
+        return search.find_near(*begun)
+    if search.is_conservative:
+        return mode_of_initial_state(system, segments or SEGMENTS, target)
+    return search.find_by_run()
 
 
-def _begun(
+def _check_guess(
     system: System, y0: ArrayLike | None, period: float | None
 ) -> tuple[Array, float] | None:
-    """A state and a period that were given, checked."""
+    """Check a given state and period; None if neither is given."""
     if y0 is None and period is None:
         return None
     if y0 is None:
         raise InputError("period", period, "given with y0, a state near the cycle")
     if period is None:
         raise InputError("y0", y0, "given with period, nearly that of the cycle")
-    made = plain(period, "period")
+    made = to_plain(period, "period")
     if not (is_number(made) and 0 < made < np.inf):
         raise InputError("period", period, "a time above 0 s")
     return system.at(y0=y0).y0, float(made)

@@ -7,8 +7,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from rodgen.analyse.cycles.closing import Lap, Linearised, Newton, Orbit
 from rodgen.analyse.cycles.flow import Flow
+from rodgen.analyse.cycles.periodicity import Lap, Linearisation, NewtonSolver, Orbit
 from rodgen.arrays import Array
 
 SEGMENTS = 4
@@ -21,30 +21,32 @@ def _segments(orbit: Orbit) -> list[tuple[float, Array, float]]:
 
 
 @dataclass(frozen=True)
-class Shooting(Newton[Orbit]):
-    """Runs of a flow over so many segments of the period."""
+class Shooting(NewtonSolver[Orbit]):
+    """Multiple shooting: runs of a flow over equal segments of the period."""
 
     segments: int = SEGMENTS
 
-    def found(self, lap: Lap) -> Orbit:
-        flow = self.flow.suited(lap.t, lap.at(np.zeros(())), lap.period)
-        return replace(self, flow=flow).solved(lap.orbit(self.segments))
+    def find_orbit(self, lap: Lap) -> Orbit:
+        flow = self.flow.choose_method(lap.t, lap.states(np.zeros(())), lap.period)
+        return replace(self, flow=flow).solve(lap.to_orbit(self.segments))
 
     def path(self, orbit: Orbit, count: int) -> Array:
-        flow = self.flow.suited(orbit.t, orbit.x[0], orbit.period)
-        return cut(flow, orbit.t, orbit.x[0], orbit.period, count)
+        flow = self.flow.choose_method(orbit.t, orbit.x[0], orbit.period)
+        return segment_states(flow, orbit.t, orbit.x[0], orbit.period, count)
 
-    def linearised(self, orbit: Orbit) -> Linearised:
-        made = [self.flow.with_tangents(t, x, span) for t, x, span in _segments(orbit)]
+    def linearise(self, orbit: Orbit) -> Linearisation:
+        made = [self.flow.state_and_tangents_after(t, x, span) for t, x, span in _segments(orbit)]
         ends = [end for end, _ in made]
-        return self.joined(orbit, [G for _, G in made], self._by_period(orbit, ends), ends)
+        return self.assemble(orbit, [G for _, G in made], self._by_period(orbit, ends), ends)
 
-    def anew(self, orbit: Orbit, by: Linearised) -> Linearised:
-        """Derivatives cost ten times what the residuals do."""
-        ends = [self.flow.carried(t, x, span) for t, x, span in _segments(orbit)]
-        return self.joined(orbit, by.G, self._by_period(orbit, ends), ends)._replace(G=by.G)
+    def update_residuals(self, orbit: Orbit, by: Linearisation) -> Linearisation:
+        """Compute the residuals alone: derivatives cost ten times as much."""
+        ends = [self.flow.state_after(t, x, span) for t, x, span in _segments(orbit)]
+        return self.assemble(orbit, by.G, self._by_period(orbit, ends), ends)._replace(G=by.G)
 
-    def within(self, orbit: Orbit, at: Linearised, share: float, d: Array, longer: float) -> Orbit:
+    def apply_correction(
+        self, orbit: Orbit, at: Linearisation, share: float, d: Array, longer: float
+    ) -> Orbit:
         return replace(orbit, x=orbit.x + share * d, period=orbit.period + share * longer)
 
     def _by_period(self, orbit: Orbit, ends: Sequence[Array]) -> list[Array]:
@@ -54,10 +56,10 @@ class Shooting(Newton[Orbit]):
         ]
 
 
-def cut(flow: Flow, t: float, x: Array, period: float, segments: int) -> Array:
+def segment_states(flow: Flow, t: float, x: Array, period: float, segments: int) -> Array:
     """States (segments, size) at the starts of equal segments of a motion from x at time t [s]."""
     states = [x]
     for i in range(segments - 1):
         share = period / segments
-        states.append(flow.carried(t + i * share, states[-1], share))
+        states.append(flow.state_after(t + i * share, states[-1], share))
     return np.array(states)

@@ -32,31 +32,31 @@ class TooSlowError(RuntimeError):
 
 
 class NotModelledError(ValueError):
-    """What a peer cannot model, or not in any sensible time: a refusal, not a failure."""
+    """Refusal, not failure, of a peer that cannot model a scene, or not in any sensible time."""
 
     def __init__(self, why: str):
         super().__init__(f"not modelled: {why}")
 
 
 class Deadline:
-    """When the run that is on its way is stopped: what can look at it now and then, does."""
+    """Time at which the current run is stopped, if it looks at the clock now and then."""
 
     at = np.inf  # on time.perf_counter()
 
     @classmethod
-    def look(cls) -> None:
-        """Raise TooSlowError where it is over."""
+    def check(cls) -> None:
+        """Raise TooSlowError after the deadline."""
         if time.perf_counter() > cls.at:
             raise TooSlowError("stopped, as it took too long")
 
 
 @dataclass(frozen=True)
-class Finish:
-    """What a run came to: y (samples, states) in rodgen's order at the job's sample times, and
-    its counts, as far as they are known: steps, rejected, rhs, jacobian, factorisations.
+class RunResult:
+    """Result of a run: y (samples, states) in rodgen's order at the job's sample times, and its
+    counts, as far as they are known: steps, rejected, rhs, jacobian, factorisations.
 
-    balance: gives the largest error of the run's own energy balance [J]; called after the clock
-    has been read.
+    balance: gives the largest error of the run's own energy balance [J]; called after the clock has
+    been read.
     """
 
     y: Array
@@ -67,11 +67,11 @@ class Finish:
 
 @dataclass(frozen=True)
 class Contestant:
-    """A whole integration.
+    """One integration by one method at one setting.
 
     setting: the step [s] or relative tolerance; kind: "step" or "rtol"; setup: seconds of
-    generation or compilation before it, by what it consists of ("generate", "compile"); agreed:
-    how far another's formulation is from ours in the rates, relative.
+    generation or compilation before it, by what it consists of ("generate", "compile"); agreed: how
+    far another's formulation is from ours in the rates, relative.
     """
 
     who: str  # "rodgen", "SciPy", "CVODE", "heyoka", ...
@@ -79,7 +79,7 @@ class Contestant:
     target: str  # what evaluates the equations: "c", "numpy", or the peer's own formulation
     kind: str
     setting: float
-    integrate: Callable[[], Finish]
+    integrate: Callable[[], RunResult]
     order: float | None = None  # nominal, where it has one
     setup: dict[str, float] = field(default_factory=dict)
     agreed: float | None = None
@@ -90,33 +90,33 @@ Family = Iterator[Contestant]  # one method's settings from loose to tight, each
 
 @dataclass(frozen=True)
 class Limits:
-    """Seconds of a run and of all of a family."""
+    """Limits of time [s], of a run and of all of a family."""
 
     run: float
     family: float
 
     @classmethod
     def of(cls, quick: bool) -> Limits:
-        """Of the short report or of the whole one."""
+        """Limits of the short report or of the whole one."""
         return cls(0.15, 0.35) if quick else cls(0.6, 1.2)
 
 
 @dataclass(frozen=True)
-class Tried:
-    """What came of a setting. seconds: the median of so many rounds, of which finish
-    is that one; spent: on all of them."""
+class Attempt:
+    """Outcome of a setting. seconds: the median of the rounds, with the finish of that round;
+    spent: on all of them."""
 
     seconds: float
     rounds: int
     spent: float
-    finish: Finish | None
+    finish: RunResult | None
     failed: str = ""
     slow: bool = False
 
 
-def attempt(who: Contestant, limits: Limits) -> Tried:
-    """Runs of a setting: one, or some where they are short. Whatever it raises is its failure."""
-    ended: list[tuple[float, Finish]] = []
+def attempt(who: Contestant, limits: Limits) -> Attempt:
+    """Run a setting once, or several times if that is short. Any exception is its failure."""
+    ended: list[tuple[float, RunResult]] = []
     begun = time.perf_counter()
     for _ in range(ROUNDS):
         start = time.perf_counter()
@@ -126,8 +126,8 @@ def attempt(who: Contestant, limits: Limits) -> Tried:
         except Exception as error:  # another's library may fail in any way
             taken = time.perf_counter() - start
             slow = isinstance(error, TooSlowError)
-            reason = f"stopped after {limits.run:g} s" if slow else words(error)
-            return Tried(taken, len(ended) + 1, time.perf_counter() - begun, None, reason, slow)
+            reason = f"stopped after {limits.run:g} s" if slow else describe_error(error)
+            return Attempt(taken, len(ended) + 1, time.perf_counter() - begun, None, reason, slow)
         finally:
             Deadline.at = float("inf")
         ended.append((time.perf_counter() - start, finish))
@@ -136,13 +136,13 @@ def attempt(who: Contestant, limits: Limits) -> Tried:
     spent = time.perf_counter() - begun
     # An odd number: the median is one of them, and what it counted goes with it.
     seconds, finish = sorted(ended, key=lambda one: one[0])[len(ended) // 2]
-    return Tried(seconds, len(ended), spent, finish)
+    return Attempt(seconds, len(ended), spent, finish)
 
 
 def sweep(
     family: Family, label: Measurement, measures: Measures, limits: Limits
 ) -> list[Measurement]:
-    """A row for every setting, from loose to tight, until the seconds are spent.
+    """Measure every setting, from loose to tight, until the seconds are spent; return rows.
 
     label: scene, n, who, method, target, and setup of every row. Settings that fail are rows with
     the reason; those that are left out are one row with failed = "not tried: ...".
@@ -152,24 +152,26 @@ def sweep(
     try:
         for who in family:
             tried = attempt(who, limits)
-            rows.append(row_of(who, tried, label, measures))
+            rows.append(make_row(who, tried, label, measures))
             spent += tried.spent
             failures = failures + 1 if tried.finish is None else 0
             growth = min(MOST_FACTOR, max(1.0, tried.seconds / before)) if before else 2.0
             before = tried.seconds
             expected = tried.seconds * growth
-            why = _enough(tried, expected, spent, failures, limits)
+            why = _stop_reason(tried, expected, spent, failures, limits)
             if why and (following := next(iter(family), None)) is not None:
-                rows.append(left_out(following, label, why))
+                rows.append(skipped_row(following, label, why))
             if why:
                 break
     except Exception as error:  # what makes settings may fail too
-        rows.append(blank(label) | {"failed": words(error)})
-    return rows or [blank(label) | {"failed": "not tried: it has no settings"}]
+        rows.append(empty_row(label) | {"failed": describe_error(error)})
+    return rows or [empty_row(label) | {"failed": "not tried: it has no settings"}]
 
 
-def _enough(tried: Tried, expected: float, spent: float, failures: int, limits: Limits) -> str:
-    """Why tighter settings are not tried, or nothing."""
+def _stop_reason(
+    tried: Attempt, expected: float, spent: float, failures: int, limits: Limits
+) -> str:
+    """Reason why tighter settings are not tried, or an empty text."""
     if tried.slow or expected > limits.run:
         return f"would take more than {limits.run:g} s"
     if spent + expected > limits.family:
@@ -179,8 +181,10 @@ def _enough(tried: Tried, expected: float, spent: float, failures: int, limits: 
     return ""
 
 
-def row_of(who: Contestant, tried: Tried, label: Measurement, measures: Measures) -> Measurement:
-    row = blank(label) | {"kind": who.kind, "setting": who.setting, "order": who.order}
+def make_row(
+    who: Contestant, tried: Attempt, label: Measurement, measures: Measures
+) -> Measurement:
+    row = empty_row(label) | {"kind": who.kind, "setting": who.setting, "order": who.order}
     row |= {"agreed": who.agreed, "failed": tried.failed}
     row |= {f"setup_{kind}": seconds for kind, seconds in who.setup.items() if kind in SETUP}
     row |= {"seconds": tried.seconds, "rounds": tried.rounds}
@@ -191,38 +195,38 @@ def row_of(who: Contestant, tried: Tried, label: Measurement, measures: Measures
     try:
         errors = measures.errors(tried.finish.y)
         balance = tried.finish.balance
-        row["balance"] = balance() / measures.scale if balance else None
+        row["balance"] = balance() / measures.energy_scale if balance else None
     except Exception as error:  # a peer's states may have the wrong shape
-        return row | {"failed": f"its states cannot be compared: {words(error)}"}
+        return row | {"failed": f"its states cannot be compared: {describe_error(error)}"}
     return row | dict(errors)
 
 
-def left_out(who: Contestant, label: Measurement, why: str) -> Measurement:
-    row = blank(label) | {"kind": who.kind, "setting": who.setting, "order": who.order}
+def skipped_row(who: Contestant, label: Measurement, why: str) -> Measurement:
+    row = empty_row(label) | {"kind": who.kind, "setting": who.setting, "order": who.order}
     return row | {"failed": f"not tried: {why}, from {who.kind} {who.setting:.3g} on"}
 
 
-def blank(label: Measurement) -> Measurement:
-    """All columns, with what is known of a family."""
+def empty_row(label: Measurement) -> Measurement:
+    """Row of all columns, filled with what is known of a family."""
     nothing = ("kind", "setting", "order", "seconds", "inside", *MEASURES, "balance", *COUNTS)
     row: Measurement = dict.fromkeys((*nothing, *(f"setup_{kind}" for kind in SETUP), "agreed"))
     return row | {"rounds": 0, "failed": ""} | label
 
 
-def words(error: BaseException | str) -> str:
+def describe_error(error: BaseException | str) -> str:
     return " ".join(str(error).split())[:LONGEST] or repr(error)
 
 
-def in_a_row(
+def sweep_methods(
     family: Iterable[Contestant], known: Measurement, measures: Measures, limits: Limits
 ) -> list[Measurement]:
-    """Settings of several methods in a row, each method with limits of its own."""
+    """Measure settings of several methods in a row, each method within limits of its own."""
     rows: list[Measurement] = []
-    for (who, method, target, _), settings in groupby(family, _name):
+    for (who, method, target, _), settings in groupby(family, _family_key):
         one = known | {"who": who, "method": method, "target": target}
         rows += sweep(settings, one, measures, limits)
-    return rows or [blank(known) | {"failed": "not tried: it has no settings"}]
+    return rows or [empty_row(known) | {"failed": "not tried: it has no settings"}]
 
 
-def _name(one: Contestant) -> tuple[str, str, str, str]:
+def _family_key(one: Contestant) -> tuple[str, str, str, str]:
     return one.who, one.method, one.target, one.kind

@@ -1,4 +1,4 @@
-"""A scene as something to be integrated by anyone, and how far states are from the exact ones."""
+"""A scene as a common task of all integrators, and measures of the errors of their states."""
 
 from __future__ import annotations
 
@@ -15,9 +15,9 @@ from rodgen.analyse.modes import natural_modes
 from rodgen.arrays import Array
 from rodgen.errors import AnalysisError, InputError
 from rodgen.loading import build
-from rodgen.loading.module import asked
+from rodgen.loading.generated_module import call_module
 from rodgen.scene import Scene
-from rodgen.system.instant import freeze_masses
+from rodgen.system.freezing import freeze_masses
 
 PARTS = "rhs", "jac", "mass", "power", "quantities", "flow", "newton"  # of the module
 SAMPLES = 100  # intervals between the states that are compared
@@ -38,100 +38,100 @@ Errors = dict[str, float | None]
 
 
 def without_events(table: dict[str, Any]) -> dict[str, Any]:
-    """A scene's tables as they are integrated by everyone: peers know nothing of its events, and
-    states can be compared only where all of them reach the end."""
+    """Remove the events from the tables of a scene: peers know nothing of them, and states can be
+    compared only where all of them reach the end."""
     return {name: value for name, value in table.items() if name != "events"}
 
 
 @dataclass(frozen=True, eq=False)
 class Job:
-    """A scene, of which every contestant gives the states at the same times."""
+    """A scene that every contestant integrates, with states at the same times."""
 
     name: str
     scene: Scene
 
     @classmethod
     def of(cls, name: str, table: dict[str, Any]) -> Job:
-        """From the scene's tables; its samples are a hundredth of the span apart."""
+        """Create a job from a scene's tables; its samples are a hundredth of the span apart."""
         scene = Scene.from_dict(without_events(table))
         first, last = scene.integrate.span
         return cls(name, scene.with_integrate(output_every=(last - first) / SAMPLES))
 
     @cached_property
     def model(self) -> ModuleType:
-        """The module in C, by which states are judged, with all that any method asks it for: no
-        run is to wait for a compiler."""
+        """Module in C, by which states are judged, with all that any method asks it for: no run is
+        to wait for a compiler."""
         return build(self.scene, "c", parts=PARTS)
 
     @cached_property
     def p(self) -> Array:
-        """Its parameters."""
+        """Parameters of the module."""
         p: Array = self.model.parameters(**self.scene.parameters)
         return p
 
     @cached_property
-    def start(self) -> Array:
-        """The state at the start (states,)."""
+    def initial_state(self) -> Array:
+        """State at the start (states,)."""
         y0: Array = self.scene.initial_state()
         return y0
 
     @property
     def span(self) -> tuple[float, float]:
-        """From when to when [s]."""
+        """Start and end of the integration [s]."""
         first, last = self.scene.integrate.span
         return first, last
 
     @cached_property
-    def times(self) -> Array:
-        """When the states are compared [s] (samples,), start and end among them."""
-        times: Array = np.asarray(self.scene.integrate.samples)
+    def sample_times(self) -> Array:
+        """Times at which states are compared [s] (samples,), start and end among them."""
+        times: Array = np.asarray(self.scene.integrate.sample_times)
         return times
 
     @property
     def stretches(self) -> list[tuple[float, float]]:
-        """The span, parted where a load is not smooth: every method steps onto these times."""
+        """Parts of the span in which loads are smooth: every method steps onto their ends."""
         first, last = self.span
         return list(pairwise([first, *self.scene.breaks(), last]))
 
     @cached_property
-    def shapes(self) -> Array | None:
+    def mode_projections(self) -> Array | None:
         """Rows that give the amplitudes of the lowest modes from angles (modes, moving links).
 
         Projections in the mass matrix of the straight rod whose translation follows its angles;
         of modes whose largest angle is one.
         """
-        shapes = self._lowest()
+        shapes = self._lowest_shapes()
         if shapes is None:
             return None
-        weighted = shapes @ self._mass()
+        weighted = shapes @ self._angle_mass_matrix()
         rows: Array = weighted / np.einsum("ij,ij->i", weighted, shapes)[:, None]
         return rows
 
-    def _lowest(self) -> Array | None:
-        """The lowest modes of the rod without its loads (modes, moving links)."""
+    def _lowest_shapes(self) -> Array | None:
+        """Lowest modes of the rod without its loads (modes, moving links), None without any."""
         try:
-            found = natural_modes(unloaded(self.scene), MODES)
+            found = natural_modes(without_loads(self.scene), MODES)
         except (AnalysisError, InputError):
             return None
-        shapes = np.real(found.phi)[:, self.scene.held :]
+        shapes = np.real(found.phi)[:, self.scene.n_fixed_links :]
         if not len(shapes):
             return None
         largest = np.abs(shapes).max(axis=1, keepdims=True)
         return np.asarray(shapes / largest)
 
-    def _mass(self) -> Array:
+    def _angle_mass_matrix(self) -> Array:
         """Mass matrix of the angles of the straight rod (links, links), its translation
         eliminated."""
-        t, y = self.scene.integrate.span[0], np.zeros_like(self.start)
-        mass: Array = asked(self.model, "mass_matrix", t, y, self.p)
-        base = 2 * self.scene.hold.translates
+        t, y = self.scene.integrate.span[0], np.zeros_like(self.initial_state)
+        mass: Array = call_module(self.model, "mass_matrix", t, y, self.p)
+        base = 2 * self.scene.boundary_condition.translates
         across, rest = mass[:base, base:], mass[base:, base:]
         return rest - across.T @ np.linalg.solve(mass[:base, :base], across)
 
 
 class Stretch(NamedTuple):
-    """Where loads are smooth: from first to last [s]; times: after first, the samples there and
-    last; samples: how many of them are samples, all or all but the last."""
+    """Part of the span in which loads are smooth, from first to last [s]. times: after first, the
+    samples there and last; samples: how many of them are samples, all or all but the last."""
 
     first: float
     last: float
@@ -140,30 +140,32 @@ class Stretch(NamedTuple):
 
     @property
     def middle(self) -> float:
-        """A time at which it is told what loads are in it."""
+        """Time at which loads with jumps are evaluated for the stretch."""
         return 0.5 * (self.first + self.last)
 
-    def inside(self, t: float) -> float:
-        """The time, not beyond the ends, of which the next stretch may have another load."""
+    def clip(self, t: float) -> float:
+        """Clip a time to inside the ends, at which the next stretch may have another load."""
         return min(max(t, self.first + EDGE), self.last - EDGE)
 
 
-def stretches(job: Job) -> list[Stretch]:
-    """All of them, with their samples; the start of the job is in none."""
+def split_job(job: Job) -> list[Stretch]:
+    """Split a job into stretches with their samples; the start of the job is in none."""
     first, last = job.span
     same, found = SAME * (last - first), []
     for begin, end in job.stretches:
-        inner = job.times[(job.times > begin + same) & (job.times < end - same)]
-        sampled = bool((np.abs(job.times - end) <= same).any())
+        inner = job.sample_times[
+            (job.sample_times > begin + same) & (job.sample_times < end - same)
+        ]
+        sampled = bool((np.abs(job.sample_times - end) <= same).any())
         found.append(Stretch(begin, end, np.append(inner, end), len(inner) + sampled))
     return found
 
 
-def integrated(job: Job, over: Callable[[Stretch, Array], Array]) -> Array:
-    """States at the samples (samples, states); over: from a stretch and the state at its start
-    to the states at its times."""
-    y, rows = job.start, [job.start[None]]
-    for stretch in stretches(job):
+def integrate_stretches(job: Job, over: Callable[[Stretch, Array], Array]) -> Array:
+    """Integrate a job by stretches; return states at the samples (samples, states). over: maps a
+    stretch and the state at its start to the states at its times."""
+    y, rows = job.initial_state, [job.initial_state[None]]
+    for stretch in split_job(job):
         states = over(stretch, y)
         if len(states) != len(stretch.times):
             raise ArithmeticError(f"ended after {len(states)} of {len(stretch.times)} samples")
@@ -174,7 +176,7 @@ def integrated(job: Job, over: Callable[[Stretch, Array], Array]) -> Array:
 
 @dataclass(frozen=True, eq=False)
 class Measures:
-    """Of the states of a job against the exact ones (samples, states), of which it is told."""
+    """Measures of the errors of states (samples, states) of a job, against the exact ones."""
 
     job: Job
     exact: Array
@@ -188,57 +190,57 @@ class Measures:
         amplitude of the lowest modes [rad], None where the rod has none; error_energy: largest
         difference of the energy over the samples, relative to the largest energy.
         """
-        modes = None if self.job.shapes is None else self.modes(y)
-        angles, rates = self.over_time(y), np.abs(self._rates(y) - self._rates(self.exact)).max()
-        found = (angles[-1], angles.max(), rates, self.tail(y), modes, self.energy(y))
+        modes = None if self.job.mode_projections is None else self.mode_error(y)
+        angles, rates = self.angle_errors(y), np.abs(self._rates(y) - self._rates(self.exact)).max()
+        found = (angles[-1], angles.max(), rates, self.tail_error(y), modes, self.energy_error(y))
         return {
             name: value if value is None or np.isfinite(value) else np.inf
-            for name, value in zip(MEASURES, map(_number, found), strict=True)
+            for name, value in zip(MEASURES, map(_as_float, found), strict=True)
         }
 
-    def over_time(self, y: Array) -> Array:
+    def angle_errors(self, y: Array) -> Array:
         """Largest difference of an angle at every sample [rad] (samples,)."""
         worst: Array = np.abs(self._angles(y) - self._angles(self.exact)).max(axis=1)
         return worst
 
-    def tail(self, y: Array) -> float:
+    def tail_error(self, y: Array) -> float:
         """Largest distance between the tails [m]."""
         off = self._tail(y) - self._exact_tail
         return float(np.hypot(off[:, 0], off[:, 1]).max())
 
-    def modes(self, y: Array) -> float:
+    def mode_error(self, y: Array) -> float:
         """Largest difference of an amplitude of the lowest modes [rad]."""
-        assert self.job.shapes is not None
+        assert self.job.mode_projections is not None
         off = self._angles(y) - self._angles(self.exact)
-        return float(np.abs(off @ self.job.shapes.T).max())
+        return float(np.abs(off @ self.job.mode_projections.T).max())
 
-    def energy(self, y: Array) -> float:
-        """Largest difference of the energy, relative to `scale`."""
+    def energy_error(self, y: Array) -> float:
+        """Largest difference of the energy, relative to `energy_scale`."""
         total = sum(self._energies(y))
-        return float(np.abs(total - self._exact_energy).max() / self.scale)
+        return float(np.abs(total - self._exact_energy).max() / self.energy_scale)
 
     @cached_property
-    def main(self) -> str:
-        """The measure that errors are held by, unless another one is asked for: that of the angles,
-        or, of a rod that does not turn, of its tail."""
+    def default_measure(self) -> str:
+        """Measure of errors unless another one is asked for: that of the angles, or, of a rod that
+        does not turn, of its tail."""
         turned = np.ptp(self._angles(self.exact), axis=0).max()
         return "error_phi" if turned > STILL else "error_tail"
 
     @cached_property
-    def scale(self) -> float:
+    def energy_scale(self) -> float:
         """The largest energy [J]: kinetic, of the springs, and change of that of gravity."""
         kinetic, spring, gravity = self._energies(self.exact)
         return float((kinetic + spring + np.abs(gravity - gravity[0])).max()) or 1.0
 
     def _angles(self, y: Array) -> Array:
-        return y[:, 2 * self.job.scene.hold.translates : self._half(y)]
+        return y[:, 2 * self.job.scene.boundary_condition.translates : self._n_positions(y)]
 
     def _rates(self, y: Array) -> Array:
-        half = self._half(y)
-        return y[:, half + 2 * self.job.scene.hold.translates : 2 * half]
+        half = self._n_positions(y)
+        return y[:, half + 2 * self.job.scene.boundary_condition.translates : 2 * half]
 
-    def _half(self, y: Array) -> int:
-        """How many positions states have."""
+    def _n_positions(self, y: Array) -> int:
+        """Number of positions in a state."""
         return int(y.shape[1] - len(self.job.scene.states)) // 2
 
     def _tail(self, y: Array) -> Array:
@@ -246,8 +248,8 @@ class Measures:
         return joints[:, -1]
 
     def _energies(self, y: Array) -> tuple[Array, Array, Array]:
-        t = self.job.scene.integrate.samples
-        kinetic, spring, gravity = asked(self.job.model, "energy", t, y, self.job.p)
+        t = self.job.scene.integrate.sample_times
+        kinetic, spring, gravity = call_module(self.job.model, "energy", t, y, self.job.p)
         return kinetic, spring, gravity
 
     @cached_property
@@ -259,12 +261,12 @@ class Measures:
         return np.asarray(sum(self._energies(self.exact)))
 
 
-def unloaded(scene: Scene) -> Scene:
-    """The rod of a scene with its bodies at the start, held as it is, without its loads."""
+def without_loads(scene: Scene) -> Scene:
+    """Remove the loads from a scene; its bodies are those at the start, its boundary is kept."""
     nothing: dict[str, Any] = {"loads": {}, "states": {}, "initial": {}, "integrate": {}}
     nothing |= {"supports": [], "events": [], "foundation": None}
     return freeze_masses(scene, scene.integrate.span[0]).replace(nothing)
 
 
-def _number(value: float | None) -> float | None:
+def _as_float(value: float | None) -> float | None:
     return None if value is None else float(value)

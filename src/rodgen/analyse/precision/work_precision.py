@@ -2,7 +2,7 @@
 
 The reference is by two families of methods, each of which tells how good the other is: an explicit
 method and a symmetric collocation method, or, where steps of the first would be too short, that and
-a stiffly stable one. What a method comes to is held against the solution that is not its own.
+a stiffly stable one. Errors of a method are those against the solution that is not its own.
 """
 
 from __future__ import annotations
@@ -13,30 +13,37 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
-from rodgen.analyse.precision import methods
+from rodgen.analyse.memory_needs import PRECISION, check_analysis_memory
+from rodgen.analyse.precision import method_families
 from rodgen.analyse.precision.contestant import (
     Contestant,
-    Finish,
     Limits,
     Measurement,
     NotModelledError,
+    RunResult,
     attempt,
-    blank,
-    in_a_row,
+    empty_row,
     sweep,
+    sweep_methods,
 )
 from rodgen.analyse.precision.job import Errors, Job, Measures
-from rodgen.analyse.precision.methods import contestant, families
-from rodgen.analyse.precision.rows import cheapest, front, grouped, number, setting, short
-from rodgen.analyse.sizes import PRECISION, check_size
+from rodgen.analyse.precision.method_families import contestant, families
+from rodgen.analyse.precision.rows import (
+    find_cheapest,
+    format_setting,
+    format_short,
+    group_rows,
+    pareto_front,
+    read_number,
+)
 from rodgen.arrays import Array
 from rodgen.display import Plottable
 from rodgen.errors import AnalysisError, InputError
-from rodgen.integrate.stability import LIMITS, dominant, limit
-from rodgen.progress import duration
-from rodgen.result import Result, ResultTable, Row, hidden
+from rodgen.integrate.stability import LIMITS, dominant, step_limit
+from rodgen.progress import format_duration
+from rodgen.result import Result, ResultTable, Row, omit_from_tables
 from rodgen.scene import Scene
-from rodgen.scene.structure import choose
+from rodgen.scene.structure import check_choice
 from rodgen.system import System
 
 if TYPE_CHECKING:
@@ -52,9 +59,9 @@ SCIPY = ("rk45", "dop853", "radau", "bdf", "lsoda")
 
 @dataclass(frozen=True)
 class Reference:
-    """A reference solution. states: (samples, states) by `method`, other: those by the method that
-    it is checked by; off: their difference over time [rad] (samples,); estimate: of all measures;
-    order, tolerance, rhs: how the first was found."""
+    """Reference solution. states: (samples, states) by `method`; other: those by the method that
+    checks it; off: their difference over time [rad] (samples,); estimate: of all measures; order,
+    tolerance, rhs: how the first was found."""
 
     states: Array
     other: Array
@@ -67,35 +74,35 @@ class Reference:
     rhs: int = 0
 
     def measures(self, job: Job, method: str) -> Measures:
-        """Errors of a method against the solution that is not its own, whoever it is by."""
+        """Measures of a method against the solution that is not its own, whoever it is by."""
         return Measures(job, self.other if method.lower() == self.method else self.states)
 
 
 @dataclass(frozen=True)
-class Solved:
-    """What a method came to at the tightest tolerance that there was time for."""
+class TightestRun:
+    """Run of a method at the tightest tolerance that there was time for."""
 
     who: Contestant
-    finish: Finish
+    finish: RunResult
 
     @property
-    def words(self) -> str:
-        """The method and its tolerance."""
+    def description(self) -> str:
+        """Method and its tolerance, for a reader."""
         return f"{self.who.method}, rtol {self.who.setting:g}"
 
 
-def reference(job: Job, seconds: float) -> Reference:
-    """Two solutions and their difference, found in about so many seconds.
+def compute_reference(job: Job, seconds: float) -> Reference:
+    """Find two solutions and their difference, in about so many seconds.
 
     Raises BuildError without a C compiler, AnalysisError where a family has no solution in time.
     """
     _ = job.model  # the seconds begin when it is made
     end, why = time.perf_counter() + seconds, ""
-    found: list[Solved] = []
+    found: list[TightestRun] = []
     for method in FAMILIES:
         share = (end - time.perf_counter()) / (2 - len(found))
         try:
-            found.append(_tightest(job, method, share))
+            found.append(_run_tightest(job, method, share))
         except AnalysisError as error:
             why = str(error)
         if len(found) == 2:
@@ -107,18 +114,18 @@ def reference(job: Job, seconds: float) -> Reference:
     return Reference(
         best.finish.y,
         check.finish.y,
-        measures.over_time(check.finish.y),
+        measures.angle_errors(check.finish.y),
         measures.errors(check.finish.y),
         best.who.method,
-        check.words,
+        check.description,
         best.who.order or 0.0,
         best.who.setting,
         best.finish.counts["rhs"],
     )
 
 
-def _tightest(job: Job, method: str, seconds: float) -> Solved:
-    """A method at one tolerance after the other. Raises AnalysisError where none came to an end."""
+def _run_tightest(job: Job, method: str, seconds: float) -> TightestRun:
+    """Run a method at ever tighter tolerances. Raises AnalysisError where no run came to an end."""
     end = time.perf_counter() + seconds
     found, why, expected = None, "", 0.0
     for rtol in RUNGS:
@@ -132,14 +139,14 @@ def _tightest(job: Job, method: str, seconds: float) -> Solved:
             if tried.slow:
                 break
             continue
-        found, expected = Solved(who, tried.finish), GROWTH * tried.seconds
+        found, expected = TightestRun(who, tried.finish), GROWTH * tried.seconds
     if found is None:
         raise AnalysisError(f"{method}: {why}")
     return found
 
 
-ASKED = (1e-3, 1e-6, 1e-9)  # rad or m, of which a table tells what they cost
-# Of errors, by the name that is asked for: the measure, its unit, and what it is of.
+ASKED = (1e-3, 1e-6, 1e-9)  # errors of which a table tells the costs, rad or m
+# By the name that is asked for: the measure of errors, its unit, and what it is of.
 HELD_BY = {
     "end": ("error_phi", "rad", "the angles at the end"),
     "angles": ("error_angles", "rad", "the angles over time"),
@@ -148,8 +155,8 @@ HELD_BY = {
 }
 
 
-def _front(*names: str) -> Callable[[WorkPrecision], list[Any]]:
-    """Entries of the settings that no other beats; the error without a name."""
+def _front_column(*names: str) -> Callable[[WorkPrecision], list[Any]]:
+    """Column of a table for the settings on the front: these entries, or the error for ""."""
 
     def entries(found: WorkPrecision) -> list[Any]:
         rows = found.front()
@@ -200,39 +207,41 @@ class WorkPrecision(Result, Plottable):
         Row("name", "scene", of=lambda found: found.scene.name),
         Row("links", "links", of=lambda found: found.scene.rod.links),
         Row("measure", "errors"),
-        Row("reference", "reference", text=lambda found: found._reference),
-        Row("trusted", "errors of the reference", text=hidden),
-        Row("limits", "largest stable steps", "s", text=hidden),
-        Row("method", "method", along="setting", of=_front("who", "method")),
-        Row("setting", "step or tolerance", format="g", along="setting", of=_front("setting")),
-        Row("seconds", "run time", "s", ".3g", along="setting", of=_front("seconds")),
-        Row("error", "error", "{unit}", ".2e", along="setting", of=_front("")),
-        Row("rows", "all settings", text=hidden),
+        Row("reference", "reference", text=lambda found: found._reference_text),
+        Row("trusted", "errors of the reference", text=omit_from_tables),
+        Row("limits", "largest stable steps", "s", text=omit_from_tables),
+        Row("method", "method", along="setting", of=_front_column("who", "method")),
+        Row(
+            "setting", "step or tolerance", format="g", along="setting", of=_front_column("setting")
+        ),
+        Row("seconds", "run time", "s", ".3g", along="setting", of=_front_column("seconds")),
+        Row("error", "error", "{unit}", ".2e", along="setting", of=_front_column("")),
+        Row("rows", "all settings", text=omit_from_tables),
     )
 
     @property
     def unit(self) -> str:
-        """The unit of the errors that methods are held by."""
-        return self._held_by[1]
+        """Unit of the errors by which methods are compared."""
+        return self._measure_info[1]
 
     @property
-    def _held_by(self) -> tuple[str, str, str]:
-        """The measure of errors, its unit, and what it is of."""
+    def _measure_info(self) -> tuple[str, str, str]:
+        """Measure of errors by which methods are compared, its unit, and what it is of."""
         return next(one for one in HELD_BY.values() if one[0] == self.measure)
 
     @property
-    def _reference(self) -> str:
+    def _reference_text(self) -> str:
         made, good = self.reference, self.trusted[self.measure] or 0.0
         method = f"{made['method']}, order {made['order']}, checked by {made['checked_by']}"
         return f"{method}; good to {good:.1e} {self.unit}"
 
     def tables(self) -> list[ResultTable]:
-        """What errors are measured against, and a line for every method: its cheapest settings for
+        """Tables of the reference and of the methods, a line for each: its cheapest settings for
         some errors, its least error and its largest stable step."""
-        of = {"errors of": self._held_by[2], "reference": self._reference}
-        titles = (f"{short(error, '.0e')} {self.unit}" for error in ASKED)
+        of = {"errors of": self._measure_info[2], "reference": self._reference_text}
+        titles = (f"{format_short(error, '.0e')} {self.unit}" for error in ASKED)
         heads = "method", *titles, "least error", "stable up to"
-        groups = grouped(self.rows, lambda row: f"{row['who']}\0{row['method']}").items()
+        groups = group_rows(self.rows, lambda row: f"{row['who']}\0{row['method']}").items()
         lines = (self._line(name, some) for name, some in groups)
         return [ResultTable.of_values(of), ResultTable.of_rows(heads, lines)]
 
@@ -242,8 +251,12 @@ class WorkPrecision(Result, Plottable):
         yield method if own else f"{who} {method}"
         for error in ASKED:
             row = self.cheapest(error, who=who, method=method)
-            yield f"{duration(number(row, 'seconds'))}, {setting(row)}" if row else "-"
-        errors = (error for row in rows if (error := number(row, self.measure)) >= 0)
+            yield (
+                f"{format_duration(read_number(row, 'seconds'))}, {format_setting(row)}"
+                if row
+                else "-"
+            )
+        errors = (error for row in rows if (error := read_number(row, self.measure)) >= 0)
         least = min(errors, default=math.inf)
         yield f"{least:.1e} {self.unit}" if least < math.inf else "-"
         limit = self.limits.get(method, math.inf) if own else math.inf
@@ -261,12 +274,12 @@ class WorkPrecision(Result, Plottable):
         return DataFrame(self.rows)
 
     def front(self, measure: str | None = None) -> list[Measurement]:
-        """Rows than which none is both faster and closer, by rising seconds.
+        """Rows than which none is both faster and closer (the Pareto front), by rising seconds.
 
         measure: of errors, by default that of the result.
         """
         measure = measure or self.measure
-        return front(self.rows, measure, self.trusted[measure] or 0.0)
+        return pareto_front(self.rows, measure, self.trusted[measure] or 0.0)
 
     def cheapest(self, error: float, measure: str | None = None, **of: str) -> Measurement | None:
         """The fastest row within an error; None if there is none.
@@ -275,7 +288,7 @@ class WorkPrecision(Result, Plottable):
         result; of: entries that the row must have, such as method="rk4".
         """
         rows = (row for row in self.rows if all(row[key] == value for key, value in of.items()))
-        return cheapest(rows, error, measure or self.measure)
+        return find_cheapest(rows, error, measure or self.measure)
 
 
 def work_precision(
@@ -325,15 +338,15 @@ def work_precision(
     True
     """
     system = System.of(system)
-    check_size(PRECISION, system)
+    check_analysis_memory(PRECISION, system)
     scene = system.scene
     if not 0 < seconds < math.inf:
         raise InputError("seconds", seconds, "a positive number of seconds")
     if of is not None:
-        choose("of", of, HELD_BY)
+        check_choice("of", of, HELD_BY)
     job = Job.of(scene.name, scene.model_dump(exclude_none=True))
     progress("reference")
-    found = reference(job, SHARE * seconds)
+    found = compute_reference(job, SHARE * seconds)
     own = families(job, False, {}, numpy=False)
     share = (1 - SHARE) * seconds / (len(own) + len(SCIPY))
     limits = Limits(share / 2, share)
@@ -345,25 +358,25 @@ def work_precision(
         rows += sweep(one.make(), known | who, found.measures(job, one.method), limits)
     for name in SCIPY:
         progress(f"SciPy {name}")
-        rows += _scipy(job, name, known, found.measures(job, name), limits)
+        rows += _sweep_scipy(job, name, known, found.measures(job, name), limits)
     made = {"method": found.method, "order": found.order, "tolerance": found.tolerance}
     made |= {"checked_by": found.checked_by}
-    measure = Measures(job, found.states).main if of is None else HELD_BY[of][0]
+    measure = Measures(job, found.states).default_measure if of is None else HELD_BY[of][0]
     return WorkPrecision(scene, rows, made, dict(found.estimate), stable_steps(job), measure)
 
 
-def _scipy(
+def _sweep_scipy(
     job: Job, name: str, known: Measurement, measures: Measures, limits: Limits
 ) -> list[Measurement]:
     nothing: Measurement = {"who": "SciPy", "method": name, "target": ""}
     try:
-        made = getattr(methods, name)(job, False)
+        made = getattr(method_families, name)(job, False)
     except NotModelledError as error:
-        return [blank(known | nothing) | {"failed": str(error)}]
-    return in_a_row(made, known | nothing, measures, limits)
+        return [empty_row(known | nothing) | {"failed": str(error)}]
+    return sweep_methods(made, known | nothing, measures, limits)
 
 
 def stable_steps(job: Job) -> dict[str, float]:
     """Largest stable step [s] of every explicit method, for the fastest motion at the start."""
-    fastest = dominant(job.model, job.span[0], job.start, job.p)
-    return {name: limit(name, fastest.value, fastest.partner) for name in LIMITS}
+    fastest = dominant(job.model, job.span[0], job.initial_state, job.p)
+    return {name: step_limit(name, fastest.value, fastest.partner) for name in LIMITS}

@@ -1,1 +1,1 @@
-"""What a chain of links tends to as their number grows: references of the continuum."""
+"""Continuum references: limits of a chain of links as their number grows."""

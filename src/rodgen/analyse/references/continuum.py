@@ -1,4 +1,4 @@
-"""Continuum references of a straight rod: what a chain of n links tends to as n grows.
+"""Continuum references of a straight rod: limits of a chain of n links as n grows.
 
 Each is solved from its characteristic equation in mpmath. Without ``digits`` a result is a float,
 right to its last digit or two; with it an mpf of that many digits. Lengths, masses and stiffnesses
@@ -21,9 +21,9 @@ FLOAT = 17  # digits that tell one float from the next
 GUARD = 15  # digits of work beyond those of a result
 
 
-def rounded(compute: Callable[[], Any], digits: int | None, extra: int = 0) -> Any:
-    """compute() worked out with guard digits: a number, or a tuple of numbers, as floats or with
-    ``digits`` as mpf. extra: further guard digits that the problem is known to lose."""
+def with_digits(compute: Callable[[], Any], digits: int | None, extra: int = 0) -> Any:
+    """Evaluate compute() with guard digits; return a number, or a tuple of numbers, as floats or
+    with ``digits`` as mpf. extra: further guard digits that the problem is known to lose."""
     if digits is not None and not 1 <= digits <= 1000:
         raise InputError("digits", digits, "a whole number from 1 to 1000")
     with mp.workdps((digits or FLOAT) + GUARD + extra):
@@ -36,8 +36,8 @@ def rounded(compute: Callable[[], Any], digits: int | None, extra: int = 0) -> A
         return type(result)(*kept) if hasattr(result, "_fields") else kept
 
 
-def finite(name: str, given: Quantity) -> Any:
-    """The quantity as mpf; raises InputError for one that is not a finite number."""
+def as_finite(name: str, given: Quantity) -> Any:
+    """Convert a quantity to mpf. Raises InputError for one that is not a finite number."""
     try:
         value = mp.mpf(given)
     except (TypeError, ValueError):
@@ -47,34 +47,38 @@ def finite(name: str, given: Quantity) -> Any:
     return value
 
 
-def positive(**quantities: Quantity) -> list[Any]:
-    """The quantities as mpf; raises InputError for one that is not finite and positive."""
-    values = [finite(name, given) for name, given in quantities.items()]
+def as_positive(**quantities: Quantity) -> list[Any]:
+    """Convert quantities to mpf. Raises InputError for one that is not finite and positive."""
+    values = [as_finite(name, given) for name, given in quantities.items()]
     for value, (name, given) in zip(values, quantities.items(), strict=True):
         if not value > 0:
             raise InputError(name, given, "a finite number greater than 0")
     return values
 
 
-def _free(x: Any) -> Any:
+def _free_characteristic(x: Any) -> Any:
     return mp.cos(x) - mp.sech(x)
 
 
-def _clamped(x: Any) -> Any:
+def _clamped_characteristic(x: Any) -> Any:
     return mp.cos(x) + mp.sech(x)
 
 
-def _pinned(x: Any) -> Any:
+def _pinned_characteristic(x: Any) -> Any:
     return mp.sin(x) - mp.tanh(x) * mp.cos(x)
 
 
 # Divided by cosh, so that nothing overflows; root k lies between (k + shift) pi and the next.
-_CHARACTERISTIC = {"free": (_free, 0), "clamped": (_clamped, -1), "pinned": (_pinned, 0)}
+_CHARACTERISTIC = {
+    "free": (_free_characteristic, 0),
+    "clamped": (_clamped_characteristic, -1),
+    "pinned": (_pinned_characteristic, 0),
+}
 
 
 def wave_number(boundary: str, k: int, *, digits: int | None = None) -> Real:
-    """beta_k L of bending mode k = 1, 2, ... of a uniform beam (Euler-Bernoulli); rigid motions
-    are not counted.
+    """Wave number beta_k L of bending mode k = 1, 2, ... of a uniform Euler-Bernoulli beam; rigid
+    motions are not counted.
 
     boundary: "free", both ends free, cos x cosh x = 1; "clamped" or "cantilever",
     cos x cosh x = -1; "pinned", the other end free, tan x = tanh x. Raises InputError for another
@@ -84,7 +88,7 @@ def wave_number(boundary: str, k: int, *, digits: int | None = None) -> Real:
     name = "clamped" if boundary == "cantilever" else boundary
     if name not in _CHARACTERISTIC:
         raise InputError("boundary", boundary, '"free", "clamped", "cantilever" or "pinned"')
-    _whole("k", k)
+    _check_mode_number("k", k)
     f, shift = _CHARACTERISTIC[name]
 
     def root() -> Any:
@@ -92,7 +96,7 @@ def wave_number(boundary: str, k: int, *, digits: int | None = None) -> Real:
         ends = ((k + shift) * mp.pi, (k + shift + 1) * mp.pi)
         return mp.findroot(f, ends, solver="anderson", tol=mp.eps**1.8)
 
-    return rounded(root, digits)
+    return with_digits(root, digits)
 
 
 def natural_frequency(
@@ -108,11 +112,11 @@ def natural_frequency(
     bending stiffness EI [N m^2]: (beta L)^2 / (2 pi) sqrt(EI / (M L^3))."""
 
     def frequency() -> Any:
-        M, L, EI = positive(mass=mass, length=length, bending_stiffness=bending_stiffness)
+        M, L, EI = as_positive(mass=mass, length=length, bending_stiffness=bending_stiffness)
         beta = wave_number(boundary, k, digits=mp.dps)
         return beta**2 / (2 * mp.pi) * mp.sqrt(EI / (M * L**3))
 
-    return rounded(frequency, digits)
+    return with_digits(frequency, digits)
 
 
 def chain_frequency(
@@ -121,13 +125,13 @@ def chain_frequency(
     """Natural frequency [Hz] of mode k = 1, 2, ... of a hanging chain (EI = 0, upper end held) of
     length L [m] under gravity [m/s^2]: J0(2 omega sqrt(L/g)) = 0. D. Bernoulli 1732; see
     G. N. Watson, A Treatise on the Theory of Bessel Functions, 1922, chapter 1."""
-    _whole("k", k)
+    _check_mode_number("k", k)
 
     def frequency() -> Any:
-        L, g = positive(length=length, gravity=gravity)
+        L, g = as_positive(length=length, gravity=gravity)
         return mp.besseljzero(0, k) / (4 * mp.pi) * mp.sqrt(g / L)
 
-    return rounded(frequency, digits)
+    return with_digits(frequency, digits)
 
 
 class Deflection(NamedTuple):
@@ -144,11 +148,11 @@ def linear_tip_force(
     """Tip of a cantilever under a force F [N] across it: F L^3 / (3 EI), F L^2 / (2 EI)."""
 
     def tip() -> Deflection:
-        L, EI = positive(length=length, bending_stiffness=bending_stiffness)
-        F = finite("force", force)
+        L, EI = as_positive(length=length, bending_stiffness=bending_stiffness)
+        F = as_finite("force", force)
         return Deflection(F * L**3 / (3 * EI), F * L**2 / (2 * EI))
 
-    result: Deflection = rounded(tip, digits)
+    result: Deflection = with_digits(tip, digits)
     return result
 
 
@@ -159,14 +163,14 @@ def linear_own_weight(
     q L^4 / (8 EI), q L^3 / (6 EI)."""
 
     def tip() -> Deflection:
-        L, EI = positive(length=length, bending_stiffness=bending_stiffness)
-        q = finite("load", load)
+        L, EI = as_positive(length=length, bending_stiffness=bending_stiffness)
+        q = as_finite("load", load)
         return Deflection(q * L**4 / (8 * EI), q * L**3 / (6 * EI))
 
-    result: Deflection = rounded(tip, digits)
+    result: Deflection = with_digits(tip, digits)
     return result
 
 
-def _whole(name: str, value: int) -> None:
+def _check_mode_number(name: str, value: int) -> None:
     if not isinstance(value, int) or value < 1:
         raise InputError(name, value, "a whole number of at least 1")

@@ -15,7 +15,7 @@ from mpmath import mp
 from scipy.integrate import solve_ivp
 from scipy.optimize import brentq
 
-from rodgen.analyse.references.continuum import Quantity, Real, rounded
+from rodgen.analyse.references.continuum import Quantity, Real, with_digits
 from rodgen.errors import InputError
 
 LARGEST = 1000  # load; the tip is then vertical to 8 digits
@@ -23,7 +23,7 @@ EXCESS = 20  # digits: a column is bent by the root of what its load has more th
 
 
 class Tip(NamedTuple):
-    """Where the tip is, in lengths of the rod: x along the undeformed rod, y along the load; and
+    """Position of the tip, in lengths of the rod: x along the undeformed rod, y along the load; and
     its angle against the undeformed rod [rad]."""
 
     x: Real
@@ -39,12 +39,12 @@ def tip_force(load: Quantity, *, digits: int | None = None) -> Tip:
     y = 1 - 2 (E(k) - E(phi, k)) / sqrt(load). K. E. Bisshopp and D. C. Drucker, Quarterly of
     Applied Mathematics 3 (1945) 272-275. Raises InputError for a load below 0 or above LARGEST.
     """
-    size = _checked(load)
+    size = _check_load(load)
 
     def tip() -> Tip:
         alpha = mp.mpf(load)
         if not alpha:
-            return _straight()
+            return _straight_tip()
 
         def amplitude(short: Any) -> tuple[Any, Any]:
             m = mp.cos(short / 2) ** 2  # short: what theta_1 lacks to a right angle
@@ -56,12 +56,12 @@ def tip_force(load: Quantity, *, digits: int | None = None) -> Tip:
 
         # short decays like exp(-sqrt(load)): its logarithm is what varies slowly.
         ends = (-mp.log(mp.pi / 2 - alpha / (4 + alpha)), mp.sqrt(alpha) + 3)
-        short = mp.exp(-mp.findroot(excess, ends, solver="anderson", tol=_square(size)))
+        short = mp.exp(-mp.findroot(excess, ends, solver="anderson", tol=_residual_tolerance(size)))
         m, phi = amplitude(short)
         sag = 2 * (mp.ellipe(m) - mp.ellipe(phi, m)) / mp.sqrt(alpha)
         return Tip(mp.sqrt(2 * mp.cos(short) / alpha), 1 - sag, mp.pi / 2 - short)
 
-    result: Tip = rounded(tip, digits, _lost(size))
+    result: Tip = with_digits(tip, digits, _lost_digits(size))
     return result
 
 
@@ -73,22 +73,22 @@ def own_weight(load: Quantity, *, digits: int | None = None) -> Tip:
     theta beyond pi/2. F. V. Rohde, Quarterly of Applied Mathematics 11 (1953) 337-338. Raises
     InputError for a load below 0 or above LARGEST.
     """
-    size = _checked(load)
-    start = _shot(size) if size else 0.0
+    size = _check_load(load)
+    start = _shoot(size) if size else 0.0
 
     def tip() -> Tip:
         end = mp.cbrt(mp.mpf(load))
         if not end:
-            return _straight()
+            return _straight_tip()
 
         def excess(q: Any) -> Any:
-            return _swing(mp.exp(-q), end)[0] - mp.pi / 2
+            return _integrate_to_clamp(mp.exp(-q), end)[0] - mp.pi / 2
 
-        q = mp.findroot(excess, (start, start + 1e-6), tol=_square(size))
-        _, x, y = _swing(mp.exp(-q), end)
+        q = mp.findroot(excess, (start, start + 1e-6), tol=_residual_tolerance(size))
+        _, x, y = _integrate_to_clamp(mp.exp(-q), end)
         return Tip(x / end, y / end, mp.pi / 2 - mp.exp(-q))
 
-    result: Tip = rounded(tip, digits, _lost(size))
+    result: Tip = with_digits(tip, digits, _lost_digits(size))
     return result
 
 
@@ -101,28 +101,28 @@ def axial_force(load: Quantity, *, digits: int | None = None) -> Tip:
     S. P. Timoshenko and J. M. Gere, Theory of Elastic Stability (1961), 2.7. Raises InputError for
     a load below 0 or above LARGEST.
     """
-    size = _checked(load)
+    size = _check_load(load)
 
     def tip() -> Tip:
         root, euler = mp.sqrt(mp.mpf(load)), mp.pi / 2
         if root <= euler:
-            return _straight()
+            return _straight_tip()
 
         # 1 - k^2 decays like exp(-2 sqrt(load)), k^2 grows from 0 like load: both are kept.
         def excess(q: Any) -> Any:
             return mp.ellipk(-mp.expm1(-q)) - root
 
-        q = mp.findroot(excess, (0, 2 * root), solver="anderson", tol=_square(size))
+        q = mp.findroot(excess, (0, 2 * root), solver="anderson", tol=_residual_tolerance(size))
         m = -mp.expm1(-q)
         k = mp.sqrt(m)
         return Tip(2 * mp.ellipe(m) / root - 1, 2 * k / root, 2 * mp.asin(k))
 
-    result: Tip = rounded(tip, digits, _lost(size) + EXCESS)
+    result: Tip = with_digits(tip, digits, _lost_digits(size) + EXCESS)
     return result
 
 
-def _shot(load: float) -> float:
-    """-log of what theta_1 lacks to a right angle, under own weight, to a float's precision.
+def _shoot(load: float) -> float:
+    """Shoot for -log of what theta_1 lacks to a right angle under own weight, in floats.
 
     With t = (1 - s) load^(1/3) and psi = pi/2 - theta: psi'' = t sin(psi), psi'(0) = 0, and the t
     at which psi first is pi/2, that of the clamp, falls as psi(0) rises. So the wanted root is the
@@ -153,13 +153,13 @@ def _shot(load: float) -> float:
     return float(brentq(excess, low, load**0.5 + 3, xtol=1e-12))
 
 
-def _swing(psi: Any, end: Any) -> tuple[Any, Any, Any]:
-    """psi, integral of sin(psi) and of cos(psi) at t = end for psi'' = t sin(psi), psi'(0) = 0."""
+def _integrate_to_clamp(psi: Any, end: Any) -> tuple[Any, Any, Any]:
+    """Integrate psi'' = t sin(psi), psi'(0) = 0, with sin(psi) and cos(psi), to t = end."""
     order = int(1.2 * mp.dps) + 10
     steps = int(mp.ceil(end / mp.mpf("0.4")))
     h, rate, x, y = end / steps, mp.zero, mp.zero, mp.zero
     for step in range(steps):
-        p, s, c = _series(psi, rate, step * h, order)
+        p, s, c = _taylor_coefficients(psi, rate, step * h, order)
         powers = [h**k for k in range(order + 1)]
         psi = mp.fdot(p, powers)
         rate = mp.fdot((k * p[k], powers[k - 1]) for k in range(1, order))
@@ -168,7 +168,9 @@ def _swing(psi: Any, end: Any) -> tuple[Any, Any, Any]:
     return psi, x, y
 
 
-def _series(psi: Any, rate: Any, t: Any, order: int) -> tuple[list[Any], list[Any], list[Any]]:
+def _taylor_coefficients(
+    psi: Any, rate: Any, t: Any, order: int
+) -> tuple[list[Any], list[Any], list[Any]]:
     """Taylor coefficients of psi, sin(psi), cos(psi) about t, by the recurrences of
     sin' = psi' cos, cos' = -psi' sin and psi'' = t sin(psi)."""
     p, s, c, slopes = [psi, rate], [mp.sin(psi)], [mp.cos(psi)], [rate]
@@ -181,7 +183,7 @@ def _series(psi: Any, rate: Any, t: Any, order: int) -> tuple[list[Any], list[An
     return p[:order], s, c
 
 
-def _checked(load: Quantity) -> float:
+def _check_load(load: Quantity) -> float:
     try:
         size = float(load)
     except (TypeError, ValueError):
@@ -191,15 +193,15 @@ def _checked(load: Quantity) -> float:
     return size
 
 
-def _lost(load: float) -> int:
+def _lost_digits(load: float) -> int:
     """Digits that cancel: in 1 - x and theta of a small load, in pi/2 - theta of a large one."""
     return int(2 * abs(log10(load)) + load**0.5) if load else 0
 
 
-def _square(load: float) -> Any:
+def _residual_tolerance(load: float) -> Any:
     """Tolerance of the square of a remainder, which is about as large as a small load."""
-    return (mp.mpf(10) ** (8 + _lost(load) - mp.dps) * min(load, 1)) ** 2
+    return (mp.mpf(10) ** (8 + _lost_digits(load) - mp.dps) * min(load, 1)) ** 2
 
 
-def _straight() -> Tip:
+def _straight_tip() -> Tip:
     return Tip(mp.one, mp.zero, mp.zero)

@@ -8,7 +8,7 @@ from rodgen.emit.targets import Target
 
 
 def _programs(*args: Any) -> Any:
-    from rodgen.emit.c.functions import programs  # SymPy is imported only where it is needed
+    from rodgen.emit.c.c_functions import programs  # SymPy is imported only where it is needed
 
     return programs(*args)
 

@@ -40,16 +40,16 @@ class Loop:
     numbers: list[str] = field(default_factory=list)
 
     @property
-    def loops(self) -> bool:
+    def is_loop(self) -> bool:
         return self.low <= self.high
 
     @property
-    def sums(self) -> bool:
+    def has_total(self) -> bool:
         """Whether any line is a sum over the chain."""
         return any(st.kind == TOTAL for st in self.members)
 
     @property
-    def laned(self) -> bool:
+    def has_lanes(self) -> bool:
         """Whether any line differs from lane to lane."""
         return any(laned for _, laned in self.lines)
 
@@ -78,28 +78,28 @@ class Fusion:
         self._factors: dict[Expr, Symbol] = {}
         self._known: dict[Expr, list[tuple[str, int | None]]] = {}
         for given_phase in phases:
-            phase = [part for st in given_phase for part in self._hoisted(st)]
+            phase = [part for st in given_phase for part in self._hoist_factors(st)]
             self.first.append(len(self.groups))
             self._floor = len(self.groups)
-            rows = rows or self._rows(set(system), phase)
+            rows = rows or self._elimination_rows(set(system), phase)
             for st in phase:
                 if st.name not in rows:
-                    self._put(st)
+                    self._place_statement(st)
             made = [st for st in phase if st.name in rows]
             if made:
                 self._floor = len(self.groups)
             for st in made:
-                self._put(st)
+                self._place_statement(st)
         self.system = self.groups[self.place[min(rows)]] if rows else None
         self._keep -= rows
         self._readers = self._find_readers()
         self._sink()
         if self.system is not None and lanes("phi"):
-            self._take_along(self.system)
+            self._merge_loops(self.system)
         self.arrays = self._find_arrays()
 
-    def base(self, symbol: Symbol) -> tuple[str, int | None]:
-        """The quantity that a symbol reads, and how far from the index."""
+    def source(self, symbol: Symbol) -> tuple[str, int | None]:
+        """Name of the quantity that a symbol reads, and its offset (None: at a fixed place)."""
         element = self._analysis.read(symbol)
         if element is None:
             return str(symbol), 0
@@ -111,25 +111,25 @@ class Fusion:
 
     def _read(self, expr: Expr) -> list[tuple[str, int | None]]:
         if expr not in self._known:
-            self._known[expr] = [self.base(symbol) for symbol in expr.free_symbols]
+            self._known[expr] = [self.source(symbol) for symbol in expr.free_symbols]
         return self._known[expr]
 
-    def _hoisted(self, st: Statement) -> Iterator[Statement]:
-        """A statement along the chain after the factors that are the same at every index, each as
-        a statement of its own: in lanes, no compiler takes them out of the loop."""
+    def _hoist_factors(self, st: Statement) -> Iterator[Statement]:
+        """Yield the factors of a statement along the chain that are the same at every index, as
+        statements, then the statement itself: in lanes, no compiler takes them out of the loop."""
         if st.kind in SUMS:
             assert st.terms is not None
-            st.terms.expr = yield from self._outside(st.terms.expr)
+            st.terms.expr = yield from self._hoist_from(st.terms.expr)
         elif st.domain.along and (st.kind != CASES or st.inner.count > 0):
-            st.expr = yield from self._outside(st.expr)
+            st.expr = yield from self._hoist_from(st.expr)
         yield st
 
-    def _outside(self, expr: Expr) -> Generator[Statement, None, Expr]:
+    def _hoist_from(self, expr: Expr) -> Generator[Statement, None, Expr]:
         if not expr.args or not self._analysis.axes(expr):
             return expr
         args = []
         for arg in expr.args:
-            args.append((yield from self._outside(arg)))
+            args.append((yield from self._hoist_from(arg)))
         if expr.is_Mul:
             fixed = [a for a in args if not self._analysis.axes(a)]
             product = Mul(*fixed)
@@ -144,31 +144,31 @@ class Fusion:
                 return Mul(self._factors[product], *rest)
         return expr.func(*args)
 
-    def _put(self, st: Statement) -> None:
+    def _place_statement(self, st: Statement) -> None:
         """Find a place for a statement, after all that it uses."""
         if st.kind == CASES:
             inner = Statement(st.name, "inside", st.inner, st.expr)
-            places = [self._into(inner)] if st.inner.count > 0 else []
+            places = [self._join_group(inner)] if st.inner.count > 0 else []
             for at, expr in st.ends.items():
                 single = Domain(st.domain.indices[1:], at, at)
                 # Inside, a single position is written over.
                 after = places[0] + 1 if st.inner.low <= at <= st.inner.high else 0
-                places.append(self._into(Statement(st.name, f"at {at}", single, expr), after))
+                places.append(self._join_group(Statement(st.name, f"at {at}", single, expr), after))
             self.place[st.name] = max(places)
         elif st.kind == PREFIX:
-            self.place[st.name] = self._into(st)
+            self.place[st.name] = self._join_group(st)
         elif st.kind == TOTAL:
             # Terms first, as an array: added up in lanes, they need not wait for one another.
             assert st.terms is not None
             terms = st.terms
-            self.place[terms.name] = self._into(terms)
+            self.place[terms.name] = self._join_group(terms)
             added = Statement(st.name, TOTAL, SCALAR, Symbol(terms.name, real=True))
-            self.place[st.name] = self._into(added)
+            self.place[st.name] = self._join_group(added)
         elif st.kind in SUMS:
             # Only the dense form has them, which is NumPy's.
             raise NotImplementedError(f"no loop for {st.kind} sums")
         else:
-            self.place[st.name] = self._into(st)
+            self.place[st.name] = self._join_group(st)
 
     def _span(self, st: Statement) -> tuple[int, int]:
         """Range of the loop that a statement needs; empty outside of loops."""
@@ -179,7 +179,7 @@ class Fusion:
             return 0, -1
         return st.domain.low, st.domain.high
 
-    def _into(self, st: Statement, after: int = 0) -> int:
+    def _join_group(self, st: Statement, after: int = 0) -> int:
         """Put a statement into the first group that takes it, at a place or after it."""
         span = self._span(st)
         first = max(self._floor, after)
@@ -190,22 +190,24 @@ class Fusion:
             group = self.groups[place]
             same = (group.low, group.high) == span and offset == 0
             made = [m for m in group.members if m.name == name]
-            joins = same and len(made) == 1 and made[0].kind == "value" and group.loops
-            outside = not group.loops and span == (0, -1)
+            joins = same and len(made) == 1 and made[0].kind == "value" and group.is_loop
+            outside = not group.is_loop and span == (0, -1)
             first = max(first, place if joins or outside else place + 1)
         for place in range(first, len(self.groups)):
             if (self.groups[place].low, self.groups[place].high) == span:
-                if self.groups[place].loops and (st.kind == PREFIX) != self._sums(place):
+                if self.groups[place].is_loop and (st.kind == PREFIX) != self._has_prefix_sum(
+                    place
+                ):
                     continue
                 self.groups[place].members.append(st)
                 return place
         self.groups.append(Loop(*span, members=[st]))
         return len(self.groups) - 1
 
-    def _rows(self, names: set[str], phase: list[Statement]) -> set[str]:
-        """The quantities that are eliminated row by row and what they alone are made of, where one
-        loop can make them all; else nothing. Couplings that begin one row earlier are made with
-        the links."""
+    def _elimination_rows(self, names: set[str], phase: list[Statement]) -> set[str]:
+        """Names of the quantities that are eliminated row by row, and of all that only these read,
+        where one loop can compute them; else none. Couplings that begin one row earlier are
+        computed with the links."""
         made = {st.name: st for st in phase}
         wanted = [made[name] for name in names if name in made]
         if not wanted or any(st.kind != "value" for st in wanted):
@@ -236,7 +238,7 @@ class Fusion:
         yield from (expr for expr, _ in st.parts())
 
     def _find_readers(self) -> dict[str, Counter[Reader]]:
-        """How often every quantity is read, by group and offset."""
+        """Numbers of reads of every quantity, by group and offset."""
         found: dict[str, Counter[Reader]] = defaultdict(Counter)
         for place, group in enumerate(self.groups):
             for st in group.members:
@@ -245,7 +247,7 @@ class Fusion:
         return found
 
     def _move(self, st: Statement, place: int, target: int) -> None:
-        """Note that a statement of one group is now in another."""
+        """Record that a statement has moved from one group to another."""
         for name, offset in self.reads(st):
             readers = self._readers[name]
             readers[target, offset] += 1
@@ -255,13 +257,13 @@ class Fusion:
         self.place[st.name] = target
 
     def _sink(self) -> None:
-        """Move what only one later loop reads into that loop, where it costs no array; not what
-        is made of other locals, which would become arrays instead."""
+        """Move what only one later loop reads into that loop, where it costs no array; not what is
+        made of other locals, which would become arrays instead."""
         for place in reversed(range(len(self.groups))):
             group = self.groups[place]
             for st in reversed(group.members):
                 readers = self._readers[st.name]
-                alone = st.kind == "value" and group.loops and st.name not in self._keep
+                alone = st.kind == "value" and group.is_loop and st.name not in self._keep
                 if not alone or len(readers) != 1:
                     continue
                 ((reader, offset),) = readers
@@ -275,8 +277,8 @@ class Fusion:
                 target.members.insert(0, st)
                 self._move(st, place, reader)
 
-    def _take_along(self, system: Loop) -> None:
-        """Take loops over the links into that of the rows between them, in lanes: there no loop
+    def _merge_loops(self, system: Loop) -> None:
+        """Merge loops over the links into that of the rows between them, in lanes: there no loop
         over the index is vectorised, and long chains of operations overlap with short ones."""
         here = self.groups.index(system)
         later = self.first[1]
@@ -297,7 +299,7 @@ class Fusion:
         # Places number what is left.
         self.groups = [g if g.members or g is system else Loop() for g in self.groups]
 
-    def _sums(self, place: int) -> bool:
+    def _has_prefix_sum(self, place: int) -> bool:
         """Whether a group adds up, link by link."""
         return any(st.kind == PREFIX for st in self.groups[place].members)
 

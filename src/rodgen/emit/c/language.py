@@ -1,4 +1,4 @@
-"""How expressions are written in C: those of the equations, and those of a scene."""
+"""Syntax of expressions in C: those of the equations, and those of a scene."""
 
 from __future__ import annotations
 

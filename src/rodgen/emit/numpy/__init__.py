@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 from rodgen.emit.targets import Target
 
 if TYPE_CHECKING:
-    from rodgen.emit.functions import Functions
+    from rodgen.emit.outputs import Functions
     from rodgen.emit.statements import Program
 
 

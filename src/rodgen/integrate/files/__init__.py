@@ -1,4 +1,4 @@
-"""Results: samples of a run, files that grow with it, and states to go on from."""
+"""Result files: samples of a run, files that grow with it, and checkpoints."""
 
 from __future__ import annotations
 
@@ -11,8 +11,8 @@ from rodgen.errors import InputError
 
 
 @contextmanager
-def replaced(path: Path, field: str = "file") -> Iterator[Path]:
-    """Another name in the same folder to write to; at the end it takes the place of path.
+def atomic_write(path: Path, field: str = "file") -> Iterator[Path]:
+    """Give another name in the same folder to write to, which takes the place of path at the end.
 
     Where the block raises, nothing is left of it. Raises InputError where there is no such folder.
     """

@@ -1,4 +1,4 @@
-"""State of a run from which it can go on, in a file beside its result."""
+"""Checkpoints: states of a run from which it can go on, in a file beside its result."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rodgen.errors import InputError
-from rodgen.integrate.files import replaced
+from rodgen.integrate.files import atomic_write
 
 Number = float | int | str
 NUMBERS = "numbers"  # the entry that holds them, as JSON; arrays are named array_<name>
@@ -22,8 +22,8 @@ ARRAY = "array_"
 DIGITS = hashlib.sha256().digest_size * 2
 
 
-def beside(result: Path) -> Path:
-    """The checkpoint of a result file: run.nc has run.nc.checkpoint."""
+def checkpoint_path(result: Path) -> Path:
+    """Path of the checkpoint of a result file: run.nc has run.nc.checkpoint."""
     return result.with_name(result.name + ".checkpoint")
 
 
@@ -37,19 +37,19 @@ def write(path: Path, arrays: Mapping[str, NDArray[Any]], numbers: Mapping[str, 
         if array.dtype.hasobject:
             raise TypeError(f"{name} holds objects of Python")
     entries: dict[str, Any] = {ARRAY + name: array for name, array in arrays.items()}
-    entries[NUMBERS] = np.array(json.dumps(dict(numbers), default=_plain))
+    entries[NUMBERS] = np.array(json.dumps(dict(numbers), default=_to_python))
     buffer = io.BytesIO()
     np.savez(buffer, **entries)
     with zipfile.ZipFile(buffer, "a") as archive:
         archive.comment = b"-" * DIGITS
     content = buffer.getvalue()[:-DIGITS]
-    with replaced(path, "checkpoint") as part:
+    with atomic_write(path, "checkpoint") as part:
         part.write_bytes(content + _digest(content))
 
 
 def read(path: Path) -> tuple[dict[str, NDArray[Any]], dict[str, Number]]:
-    """The arrays and numbers that `write` was given; raises InputError for damaged and for other
-    files."""
+    """Read the arrays and numbers that `write` was given; raises InputError for damaged and for
+    other files."""
     try:
         stored = path.read_bytes()
     except OSError as error:
@@ -67,8 +67,8 @@ def _digest(content: bytes) -> bytes:
     return hashlib.sha256(content).hexdigest().encode()
 
 
-def _plain(value: object) -> object:
-    """A number of NumPy's as one of Python's."""
+def _to_python(value: object) -> object:
+    """Convert a number of NumPy's to one of Python's."""
     if isinstance(value, np.generic):
         return value.item()
     raise TypeError(f"{value!r} is no number")

@@ -1,8 +1,8 @@
-"""How a result file tells that it is as it was written (CRC-32), and how its run goes (a text).
+"""Checksums (CRC-32) of a result file, and the text in it on how its run goes.
 
 One checksum is of all that is written once: header, scene, labels. It is in the text of the run,
-which has one of itself; each sample and each event has its own. Those begin from the first and the
-number of the sample, so that what belongs to another file, or to another place, is not taken for
+which has one of itself; each sample and each event has its own. These begin from the first one and
+the number of the sample, so that a sample of another file, or of another place, is not taken for
 it.
 """
 
@@ -31,8 +31,8 @@ RUNNING = "running"  # status in a file whose run has not ended
 NO_STATS = Stats.of(Counts(), 0.0)
 
 
-def of_fixed(header: Header, read: Callable[[int, int], bytes]) -> int:
-    """A checksum of all before the records that does not change; read: bytes from here, so many."""
+def checksum_of_header(header: Header, read: Callable[[int, int], bytes]) -> int:
+    """Checksum of what does not change before the records; read: bytes from here, so many."""
     changing = [header.variables[name] for name in (RUN, *EVENT) if name in header.variables]
     left_out = [(NUMRECS, NUMRECS + 4), *((v.begin, v.begin + v.size) for v in changing)]
     found = at = 0
@@ -42,7 +42,7 @@ def of_fixed(header: Header, read: Callable[[int, int], bytes]) -> int:
     return found
 
 
-def of_records(records: NDArray[Any], first: int, fixed: int) -> NDArray[np.int32]:
+def checksums_of_records(records: NDArray[Any], first: int, fixed: int) -> NDArray[np.int32]:
     """Checksums of records (K,), which end in room for them; first: the number of the first."""
     content, size = memoryview(records.tobytes()), records.dtype.itemsize
     found = [
@@ -52,30 +52,30 @@ def of_records(records: NDArray[Any], first: int, fixed: int) -> NDArray[np.int3
     return np.array(found, np.uint32).view(np.int32)
 
 
-def of_event(at: int, number: int, t: Any, y: Any, fixed: int) -> np.int32:
-    """The checksum of the event in this place of the file."""
+def checksum_of_event(at: int, number: int, t: Any, y: Any, fixed: int) -> np.int32:
+    """Checksum of the event in this place of the file."""
     content = b"".join(np.asarray(v, ">f8").tobytes() for v in (number, t, y))
     return np.uint32(zlib.crc32(content, fixed + at & 0xFFFFFFFF)).view(np.int32)
 
 
-def unused(number: NDArray[Any], t: NDArray[Any], y: NDArray[Any], found: NDArray[Any]) -> bool:
-    """Whether places for events are as they are left where there is none."""
+def is_empty(number: NDArray[Any], t: NDArray[Any], y: NDArray[Any], found: NDArray[Any]) -> bool:
+    """Whether places for events are empty, as a new file has them."""
     nothing = np.array(np.nan, ">f8").view(">i8")
     numbers = (number == -1).all() and not found.any()
     return bool(numbers and all((v.view(">i8") == nothing).all() for v in (t, y)))
 
 
-def sealed(text: bytes) -> bytes:
-    """A text of JSON that begins as SEAL does, with its own checksum."""
+def seal(text: bytes) -> bytes:
+    """Put the checksum of a text of JSON that begins as SEAL does into it."""
     head, digits = SEAL
     assert text.startswith(head)
     rest = text[len(head) + digits :]
     return head + b"%08x" % zlib.crc32(rest) + rest
 
 
-def unharmed(text: bytes) -> bool:
-    """Whether a text is as `sealed` made it."""
-    return text.startswith(SEAL[0]) and text == sealed(text)
+def is_intact(text: bytes) -> bool:
+    """Whether a text has the checksum that `seal` gave it."""
+    return text.startswith(SEAL[0]) and text == seal(text)
 
 
 LEFT_OUT = "a file has no room for the other notes of the run"
@@ -83,9 +83,9 @@ LEFT_OUT = "a file has no room for the other notes of the run"
 FORMER = {"steps": "nsteps", "rhs": "nfev", "jacobian": "njev", "factorisations": "nlu"}
 
 
-class Run(NamedTuple):
-    """How a run goes; lost: events for which the file had no room; samples, events: how many of
-    them count; fixed: checksum of what in the file does not change."""
+class RunState(NamedTuple):
+    """State of a run as its file tells it. lost: events for which the file had no room; samples,
+    events: how many of them count; fixed: checksum of what in the file does not change."""
 
     status: str = RUNNING
     message: str = ""
@@ -97,8 +97,8 @@ class Run(NamedTuple):
     notes: tuple[Note, ...] = ()
 
     def text(self) -> bytes:
-        """PAGE bytes of JSON with a checksum; where they are too few, notes are left out, the last
-        first, and a message is cut."""
+        """Encode it as PAGE bytes of JSON with a checksum; where they are too few, notes are left
+        out, the last first, and a message is cut."""
         run = {"checksum": "0" * SEAL[1], **self._asdict()}
         run["stats"] = self.stats and asdict(self.stats)
         run["notes"] = notes = [note.to_dict() for note in self.notes]
@@ -111,22 +111,22 @@ class Run(NamedTuple):
                 raise ValueError(f"{len(text)} bytes of status and stats, more than {PAGE}")
             # In JSON a character needs 12 bytes at most.
             message = message[: -max(1, (len(text) - PAGE) // 12)]
-        return sealed(text.ljust(PAGE))
+        return seal(text.ljust(PAGE))
 
     @classmethod
-    def of(cls, text: bytes, path: Path) -> Run:
-        """What `text` made; raises InputError for other text, in the file at path."""
-        if not unharmed(text):
+    def of(cls, text: bytes, path: Path) -> RunState:
+        """Decode what `text` made; raises InputError for other text, in the file at path."""
+        if not is_intact(text):
             raise InputError("file", str(path), "as it was written (damaged: how the run went)")
         return cls._of(text)
 
     @classmethod
-    def of_former(cls, text: bytes, samples: int, events: int) -> Run:
-        """How a run goes whose file has no checksums, and counts samples and events elsewhere."""
+    def of_former(cls, text: bytes, samples: int, events: int) -> RunState:
+        """Decode the text of a file without checksums, which counts samples, events elsewhere."""
         return cls._of(text)._replace(samples=samples, events=events)
 
     @classmethod
-    def _of(cls, text: bytes) -> Run:
+    def _of(cls, text: bytes) -> RunState:
         run = json.loads(text)
         stats = run["stats"] and Stats(**{FORMER.get(k, k): v for k, v in run["stats"].items()})
         lost, samples, events, fixed = (

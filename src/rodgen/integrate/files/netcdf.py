@@ -1,4 +1,4 @@
-"""NetCDF classic files (64-bit offset) that grow by records, and what their headers say.
+"""Classic NetCDF files (64-bit offset) that grow by records, and what their headers say.
 
 Everything over the first dimension is a record variable. The bytes of a record lie together, one
 variable after the other, behind all else in the file, and four bytes at NUMRECS say how many
@@ -29,9 +29,9 @@ PAGE = 4096  # what begins at a multiple of it and is no longer is written in on
 Values = tuple[tuple[str, ...], NDArray[Any], Mapping[str, str]]  # dimensions, values, attributes
 
 
-class Variable(NamedTuple):
-    """dimensions and type; size: its bytes, in each record where it is one of a record; begin:
-    where they start; place: where the header says so."""
+class NetcdfVariable(NamedTuple):
+    """Entry of a variable in a header. size: bytes of it, in each record where it is over records;
+    begin: where they start; place: where the header says so."""
 
     dimensions: tuple[str, ...]
     shape: tuple[int, ...]
@@ -44,15 +44,15 @@ class Variable(NamedTuple):
 
 @dataclass(frozen=True)
 class Header:
-    """What a file says about itself; attributes are text alone, others are left out."""
+    """Header of a file; attributes are those of text, others are left out."""
 
     records: int
     attributes: dict[str, str]
-    variables: dict[str, Variable]
+    variables: dict[str, NetcdfVariable]
 
     @cached_property
     def record(self) -> np.dtype[Any]:
-        """A record as a structure of NumPy's, by name of the variable."""
+        """Type of a record as a structure of NumPy's, by name of the variable."""
         inside = {name: v for name, v in self.variables.items() if v.record}
         return np.dtype(
             {
@@ -70,9 +70,9 @@ class Header:
 
 
 def read_header(file: BinaryIO) -> Header:
-    """Header of a CDF-2 file; raises ValueError unless it is one whose parts lie in order, one
-    after the other. (Whether it has all its records is not looked at.)"""
-    at = _Cursor(file)
+    """Read the header of a CDF-2 file. Raises ValueError unless its parts lie in order, one after
+    the other. (Whether the file has all its records is not looked at.)"""
+    at = _HeaderReader(file)
     if at.take(4) != b"CDF\x02":
         raise ValueError("not in NetCDF's 64-bit offset format")
     try:
@@ -103,8 +103,8 @@ def _check(header: Header, position: int) -> None:
         raise ValueError("records without a number or a size")
 
 
-class _Cursor:
-    """Reads a header from its start."""
+class _HeaderReader:
+    """Reader of a header from its start."""
 
     def __init__(self, file: BinaryIO):
         self.file, self.end = file, file.seek(0, io.SEEK_END)
@@ -119,14 +119,14 @@ class _Cursor:
         (number,) = struct.unpack(code, self.take(struct.calcsize(code)))
         return int(number)
 
-    def padded(self, count: int) -> bytes:
+    def take_padded(self, count: int) -> bytes:
         return self.take(count + -count % 4)[:count]
 
     def name(self) -> str:
-        return self.padded(self.integer()).decode()
+        return self.take_padded(self.integer()).decode()
 
     def entries(self, tag: int) -> range:
-        """A number for each entry of a list with this tag."""
+        """Range of the entries of a list with this tag."""
         found, count = self.integer(), self.integer()
         if (found, count) != (0, 0) and (found != tag or count < 0):
             raise ValueError("its header is not one")
@@ -136,12 +136,12 @@ class _Cursor:
         found = {}
         for _ in self.entries(ATTRIBUTE):
             name, dtype, count = self.name(), np.dtype(TYPES[self.integer()]), self.integer()
-            content = self.padded(count * dtype.itemsize)
+            content = self.take_padded(count * dtype.itemsize)
             if dtype.kind == "S":
                 found[name] = content.decode()
         return found
 
-    def variable(self, lengths: list[tuple[str, int]]) -> tuple[str, Variable]:
+    def variable(self, lengths: list[tuple[str, int]]) -> tuple[str, NetcdfVariable]:
         name = self.name()
         over = [lengths[self.integer()] for _ in range(self.integer())]
         self.attributes()
@@ -149,7 +149,9 @@ class _Cursor:
         record = bool(over) and over[0][1] == 0
         shape = tuple(length for _, length in over[record:])
         place, begin = self.file.tell(), self.integer(">q")
-        return name, Variable(tuple(d for d, _ in over), shape, dtype, size, begin, place, record)
+        return name, NetcdfVariable(
+            tuple(d for d, _ in over), shape, dtype, size, begin, place, record
+        )
 
 
 def empty_file(
@@ -158,7 +160,7 @@ def empty_file(
     attributes: Mapping[str, str],
     aligned: str,
 ) -> bytes:
-    """A file without records.
+    """Bytes of a file without records.
 
     dimensions: the first is None, that of the records; variables: those of it have one record,
     which only tells their type; aligned: the variable that is to begin at a multiple of PAGE.
@@ -202,45 +204,45 @@ class RecordFile:
         self._write(self._end, records.tobytes())
 
     def count_to(self, count: int) -> None:
-        """Say that so many records are there."""
+        """Write the number of records in the file."""
         self._write(NUMRECS, struct.pack(">i", count))
         self.count = count
 
-    def counted(self) -> int:
-        """How many records the file says are there by now."""
+    def read_count(self) -> int:
+        """Read how many records the file says are there by now."""
         (count,) = struct.unpack(">i", self.read(NUMRECS, 4))
         return int(count)
 
-    def cut(self) -> None:
-        """Leave nothing behind the last record."""
+    def truncate(self) -> None:
+        """Cut off what is behind the last record."""
         self._file.truncate(self._end)
 
     def surplus(self) -> int:
-        """Bytes behind the last record; of a file that is too short, negative."""
+        """Number of bytes behind the last record; of a file that is too short, negative."""
         return self._file.seek(0, os.SEEK_END) - self._end
 
     def records(self) -> NDArray[Any]:
-        """Its records, (K,), from the disk as they are asked for."""
+        """Records, (K,), read from the disk as they are asked for."""
         if not self.count:
             return np.empty(0, self.header.record)
         start, shape = self.header.start, (self.count,)
         mapped: NDArray[Any] = np.memmap(self.path, self.header.record, "r", start, shape)
         return mapped
 
-    def fixed(self, name: str) -> NDArray[Any]:
-        """Values of a variable that is not of the records."""
+    def read_fixed(self, name: str) -> NDArray[Any]:
+        """Values of a variable that is not over records."""
         v = self.header.variables[name]
         return np.ndarray(v.shape, v.dtype, self.read(v.begin, v.size))
 
     def put(self, name: str, at: int, value: ArrayLike) -> None:
-        """Write one entry along the first dimension of such a variable."""
+        """Write one entry along the first dimension of a variable that is not over records."""
         v = self.header.variables[name]
         entry = np.empty(v.shape[1:], v.dtype)
         entry[...] = value
         self._write(v.begin + at * entry.nbytes, entry.tobytes())
 
     def put_text(self, name: str, text: bytes) -> None:
-        """Write all of such a variable of letters."""
+        """Write all letters of a variable that is not over records."""
         self._write(self.header.variables[name].begin, text)
 
     def sync(self) -> None:
@@ -256,7 +258,7 @@ class RecordFile:
         return self.header.start + self.count * self.header.record.itemsize
 
     def read(self, at: int, size: int) -> bytes:
-        """So many bytes from there; raises ValueError where the file ends before."""
+        """Read so many bytes from a place; raises ValueError where the file ends before."""
         self._file.seek(at)
         content = self._file.read(size)
         if len(content) < size:

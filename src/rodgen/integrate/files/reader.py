@@ -11,11 +11,11 @@ from numpy.typing import NDArray
 
 from rodgen.arrays import Array
 from rodgen.errors import InputError
-from rodgen.integrate.endings import INTERRUPTED
 from rodgen.integrate.files.checksums import NO_STATS, RUNNING
-from rodgen.integrate.files.layout import WORK, changes_in, plain
+from rodgen.integrate.files.file_layout import WORK, changes_in, native_copy
 from rodgen.integrate.files.netcdf import RecordFile
-from rodgen.integrate.files.result_file import ResultFile, as_rodgens, warn
+from rodgen.integrate.files.result_file import ResultFile, as_input_error, warn_of_notes
+from rodgen.integrate.run_status import INTERRUPTED
 from rodgen.integrate.solution import Solution
 from rodgen.scene import Scene
 from rodgen.system import System
@@ -65,15 +65,15 @@ def load(path: str | Path, most: int | None = None, *, strict: bool = True) -> S
     with ResultFile(Path(path), strict) as file:
         records, good = file.samples()
         solution = solution_of(file, records, good, most)
-        warn(file.notes)
+        warn_of_notes(file.notes)
     return solution
 
 
 def solution_of(
     file: ResultFile, records: NDArray[Any], good: NDArray[np.intp], most: int | None = None
 ) -> Solution:
-    """The Solution of those records of a file that are good, or of so many, evenly spaced."""
-    with as_rodgens(file.path):
+    """Solution of the good records of a file, or of so many of them, evenly spaced."""
+    with as_input_error(file.path):
         off = float(np.abs(records["energy_balance"])[good].max(initial=0.0))
         if most is not None and len(good) > most:
             kept = np.unique(np.linspace(0, len(good) - 1, most).round().astype(int))
@@ -81,8 +81,8 @@ def solution_of(
         whole = len(good) == len(records)
         taken = records if whole else records[good]
         terms = [name for name in records.dtype.names or () if name.startswith(WORK)]
-        work = {name[len(WORK) :]: plain(taken[name]) for name in terms}
-        t, y = plain(taken["time"]), plain(taken["y"])
+        work = {name[len(WORK) :]: native_copy(taken[name]) for name in terms}
+        t, y = native_copy(taken["time"]), native_copy(taken["y"])
         changes = changes_in(taken, file.scene)
         if y.shape[1:] != file.scene.initial_state().shape:
             raise ValueError("not so: y")
@@ -90,7 +90,7 @@ def solution_of(
     run = file.run
     status, message = run.status, run.message
     if status == RUNNING:
-        status, message = INTERRUPTED, _how_far(t, file.scene)
+        status, message = INTERRUPTED, _killed_message(t, file.scene)
     if run.lost:
         message = f"{message}; {run.lost} more events than the file has room for"
     for note in file.notes if file.checked else ():
@@ -103,15 +103,15 @@ def solution_of(
     return solution
 
 
-def _how_far(t: Array, scene: Scene) -> str:
-    """What is said of a run that did not come to say it itself."""
+def _killed_message(t: Array, scene: Scene) -> str:
+    """Message of a run that was killed: how far it came."""
     at = f"killed after t = {t[-1]:.9g} s" if len(t) else "killed before its first sample"
     return f"{at} of {scene.integrate.span[1]:.9g} s; rodgen run --resume continues it"
 
 
 class Excerpt:
-    """A result file; scene: that of its run; model: its module, where it is built; t: times of its
-    samples [s], (T,), of those that are not damaged; notes: what is to be said of it.
+    """Result file whose samples are read on demand. scene: of its run; model: its module, where it
+    is built; t: times of its samples that are not damaged [s], (T,); notes: remarks on the file.
 
     Raises InputError for files that rodgen did not write, and, unless strict is False, for those
     that are not as they were written.
@@ -120,23 +120,26 @@ class Excerpt:
     def __init__(self, path: Path, strict: bool = True):
         self.path = path
         self.model: ModuleType | None = None
-        with ResultFile(path, strict) as file, as_rodgens(path):
+        with ResultFile(path, strict) as file, as_input_error(path):
             records, self._good = file.samples()
             file.events()  # none of them is shown, but a damaged file is to be told of
-            self.t = plain(records["time"])[self._good]
+            self.t = native_copy(records["time"])[self._good]
             states = records["y"].shape[1:]
             self.scene, self.notes = file.scene, tuple(file.notes)
             self._header, self._run = file.header, file.run
         if states != self.scene.initial_state().shape:
             raise InputError("file", str(path), "written by rodgen (not so: y)")
 
-    def at(self, kept: NDArray[np.intp]) -> Solution:
-        """The samples with these numbers, without their work and events."""
+    def read(self, kept: NDArray[np.intp]) -> Solution:
+        """Read the samples with these numbers, without their work and events."""
         try:
             with RecordFile(self.path, self._header, "r") as file:
                 file.count = int(self._good[-1]) + 1
                 records, numbers = file.records(), self._good[kept]
-                y, changes = plain(records["y"][numbers]), changes_in(records, self.scene, numbers)
+                y, changes = (
+                    native_copy(records["y"][numbers]),
+                    changes_in(records, self.scene, numbers),
+                )
         except (OSError, ValueError) as error:  # it was changed meanwhile
             raise InputError("file", str(self.path), f"as it was ({error})") from None
         stats = self._run.stats or NO_STATS

@@ -1,4 +1,4 @@
-"""A result file that is read: whether it is one, and whether it is as it was written."""
+"""Reading of result files, and checks that they are such, and as they were written."""
 
 from __future__ import annotations
 
@@ -13,11 +13,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rodgen.errors import InputError
-from rodgen.integrate.endings import INTERRUPTED
 from rodgen.integrate.files import checksums
-from rodgen.integrate.files.checksums import RUNNING, Run
-from rodgen.integrate.files.layout import FORMAT, plain
+from rodgen.integrate.files.checksums import RUNNING, RunState
+from rodgen.integrate.files.file_layout import FORMAT, native_copy
 from rodgen.integrate.files.netcdf import Header, RecordFile, read_header
+from rodgen.integrate.run_status import INTERRUPTED
 from rodgen.integrate.trajectory import Event
 from rodgen.scene import Scene
 
@@ -44,12 +44,12 @@ class FileWarning(UserWarning):
 
 
 class ResultFile:
-    """A result file, open to be read. scene: that of its run; run: how that went; checked: whether
-    it has checksums; notes: what is to be said of it.
+    """Result file, open to be read. scene: that of its run; run: how that went; checked: whether it
+    has checksums; notes: remarks on it.
 
-    strict: raise InputError for any damage that is found. Otherwise samples, events and the text
-    of the run are left out where they are damaged, and notes say so; what says what they mean, the
-    header with the scene, has to be as it was written in any case.
+    strict: raise InputError for any damage that is found. Otherwise samples, events and the text of
+    the run are left out where they are damaged, and notes say so; the header, with the scene, has
+    to be as it was written in any case.
     """
 
     def __init__(self, path: Path, strict: bool = True):
@@ -59,56 +59,56 @@ class ResultFile:
         self.header = header_of(path)
         self.checked = self.header.attributes["format"] == FORMAT
         if self.checked != (checksums.CHECKSUM in self.header.variables):
-            raise self._refused("its header")
-        with as_rodgens(path):
+            raise self._damage_error("its header")
+        with as_input_error(path):
             self._file = RecordFile(path, self.header, "r")
         try:
-            with as_rodgens(path):
-                self.run = self._checked_run() if self.checked else self._former_run()
+            with as_input_error(path):
+                self.run = self._read_run() if self.checked else self._read_former_run()
                 self.scene = scene_of(self.header, path)
         except BaseException:
             self._file.close()
             raise
         self._file.count = self.run.samples
 
-    def _former_run(self) -> Run:
+    def _read_former_run(self) -> RunState:
         self.notes.append(f"{self.path} is of the format {BEFORE!r}: damage to it goes unseen")
-        text = self._file.fixed(checksums.RUN).tobytes()
-        return Run.of_former(text, self.header.records, self._numbered())
+        text = self._file.read_fixed(checksums.RUN).tobytes()
+        return RunState.of_former(text, self.header.records, self._count_events())
 
-    def _checked_run(self) -> Run:
-        """How the run went, in a header that is as it was written."""
-        fixed = checksums.of_fixed(self.header, self._file.read)
-        text = self._file.fixed(checksums.RUN).tobytes()
-        if not checksums.unharmed(text):
-            self._damaged("how the run went")
+    def _read_run(self) -> RunState:
+        """Read how the run went, where the header is as it was written."""
+        fixed = checksums.checksum_of_header(self.header, self._file.read)
+        text = self._file.read_fixed(checksums.RUN).tobytes()
+        if not checksums.is_intact(text):
+            self._report_damage("how the run went")
             self._guessed = True
             return self._guess(fixed)
-        run = Run.of(text, self.path)
+        run = RunState.of(text, self.path)
         if run.fixed != fixed:
-            raise self._refused("its header, its scene or its labels")
+            raise self._damage_error("its header, its scene or its labels")
         # The number is written after the text: what it says now, the text says, or more.
         ended = run.status != RUNNING
-        if self.header.records > run.samples or (ended and self._file.counted() != run.samples):
-            self._damaged("the number of its samples")
+        if self.header.records > run.samples or (ended and self._file.read_count() != run.samples):
+            self._report_damage("the number of its samples")
         return run
 
-    def _guess(self, fixed: int) -> Run:
-        """What can still be told of a run where its text is lost."""
+    def _guess(self, fixed: int) -> RunState:
+        """Reconstruct how a run went whose text is lost."""
         self._file.count = 0
         samples = max(0, self._file.surplus()) // self.header.record.itemsize
         why = "how the run went is lost"
-        return Run(INTERRUPTED, why, samples=samples, events=self._numbered(), fixed=fixed)
+        return RunState(INTERRUPTED, why, samples=samples, events=self._count_events(), fixed=fixed)
 
-    def _numbered(self) -> int:
-        """Events that have a number."""
+    def _count_events(self) -> int:
+        """Number of events in the file, those that have a number."""
         if "event_number" not in self.header.variables:
             return 0
-        return int((self._file.fixed("event_number") >= 0).sum())
+        return int((self._file.read_fixed("event_number") >= 0).sum())
 
     def samples(self, most: int | None = None) -> tuple[NDArray[Any], NDArray[np.intp]]:
-        """Its records (R,), read from the disk as they are asked for, and the numbers of those
-        that are good, ascending.
+        """Records (R,), read from the disk as they are asked for, and the numbers of those that are
+        good, ascending.
 
         most: how many from the first on are looked at; what is behind does not matter.
         """
@@ -118,45 +118,47 @@ class ResultFile:
         surplus = self._file.surplus()
         self._file.count = there = due + min(0, surplus // size)
         if there < 0:
-            raise self._refused("it is cut short before its first sample")
-        with as_rodgens(self.path):
+            raise self._damage_error("it is cut short before its first sample")
+        with as_input_error(self.path):
             records = self._file.records()
         good = np.zeros(due, bool)
         good[:there] = self._good(records)
         if self._guessed and not good.any():  # then it may be the header that is not as it was
-            raise self._refused("how the run went, and all of its samples")
+            raise self._damage_error("how the run went, and all of its samples")
         if not good.all():
-            self._damaged(_named(good, plain(records["time"])))
+            self._report_damage(_name_gaps(good, native_copy(records["time"])))
         elif most is None and surplus and self.run.status != RUNNING and self.checked:
-            self._damaged("bytes behind its samples")
+            self._report_damage("bytes behind its samples")
         return records, np.flatnonzero(good)
 
-    def just_written(self) -> tuple[NDArray[Any], NDArray[np.intp]]:
-        """The records of a file that was written just now, all of them good, and their numbers."""
+    def unchecked_samples(self) -> tuple[NDArray[Any], NDArray[np.intp]]:
+        """Records of a file that was written just now, all of them good, and their numbers."""
         return self._file.records(), np.arange(self.run.samples)
 
     def _good(self, records: NDArray[Any]) -> NDArray[np.bool_]:
-        """Which records are as they were written."""
+        """Mask of the records that are as they were written."""
         if not self.checked:
             return np.ones(len(records), bool)
         step = max(1, BLOCK // records.dtype.itemsize)
         parts = [np.empty(0, bool)]
         for at in range(0, len(records), step):
             some = records[at : at + step]
-            parts.append(checksums.of_records(some, at, self.run.fixed) == some[checksums.CHECKSUM])
+            parts.append(
+                checksums.checksums_of_records(some, at, self.run.fixed) == some[checksums.CHECKSUM]
+            )
         return np.concatenate(parts)
 
     def events(self) -> tuple[Event, ...]:
-        """Its events, those that are good."""
+        """Events that are good."""
         if "event_number" not in self.header.variables:
             return ()
-        number, t, y = (self._file.fixed(name) for name in checksums.EVENT[:3])
+        number, t, y = (self._file.read_fixed(name) for name in checksums.EVENT[:3])
         kept = np.flatnonzero(number >= 0)
         if self.checked:
-            kept = self._good_events(number, t, y, self._file.fixed(checksums.EVENT[3]))
-        with as_rodgens(self.path):
+            kept = self._good_events(number, t, y, self._file.read_fixed(checksums.EVENT[3]))
+        with as_input_error(self.path):
             names = [self.scene.events[k].name for k in number[kept]]
-        return tuple(map(Event, names, map(float, t[kept]), plain(y[kept])))
+        return tuple(map(Event, names, map(float, t[kept]), native_copy(y[kept])))
 
     def _good_events(
         self, number: NDArray[Any], t: NDArray[Any], y: NDArray[Any], found: NDArray[Any]
@@ -164,23 +166,25 @@ class ResultFile:
         count = self.run.events
         good = np.zeros(count, bool)
         for k in range(min(count, len(number))):
-            good[k] = checksums.of_event(k, number[k], t[k], y[k], self.run.fixed) == found[k]
+            good[k] = (
+                checksums.checksum_of_event(k, number[k], t[k], y[k], self.run.fixed) == found[k]
+            )
         if not good.all():
-            self._damaged(f"{count - good.sum()} of its {count} events")
+            self._report_damage(f"{count - good.sum()} of its {count} events")
         # The one behind them may have been half written when the run was killed.
         empty = count + (self.run.status == RUNNING)
-        if not checksums.unused(*(values[empty:] for values in (number, t, y, found))):
-            self._damaged("what lies behind its events")
+        if not checksums.is_empty(*(values[empty:] for values in (number, t, y, found))):
+            self._report_damage("what lies behind its events")
         return np.flatnonzero(good)
 
-    def _damaged(self, what: str) -> None:
+    def _report_damage(self, what: str) -> None:
         """Refuse the file, or note what is left out."""
         if self.strict:
             rest = "load(..., strict=False) and rodgen animate --damaged take the rest"
-            raise self._refused(f"{what}; {rest}")
+            raise self._damage_error(f"{what}; {rest}")
         self.notes.append(f"{self.path} is damaged, and what is left out is: {what}")
 
-    def _refused(self, what: str) -> InputError:
+    def _damage_error(self, what: str) -> InputError:
         return InputError("file", str(self.path), f"as it was written (damaged: {what})")
 
     def close(self) -> None:
@@ -194,8 +198,8 @@ class ResultFile:
         self.close()
 
 
-def _named(good: NDArray[np.bool_], t: NDArray[np.float64]) -> str:
-    """Samples that are not good, by the times [s] of those beside them; t: of those in the file."""
+def _name_gaps(good: NDArray[np.bool_], t: NDArray[np.float64]) -> str:
+    """Name samples that are not good by the times [s] of those beside them; t: in the file."""
     bad = np.flatnonzero(~good)
     stretches = np.split(bad, np.flatnonzero(np.diff(bad) > 1) + 1)
     named = []
@@ -209,8 +213,8 @@ def _named(good: NDArray[np.bool_], t: NDArray[np.float64]) -> str:
     return ", ".join(named) + (f" and {more} more such places" if more > 0 else "")
 
 
-def warn(notes: list[str]) -> None:
-    """Notes of a file as warnings of whoever reads it."""
+def warn_of_notes(notes: list[str]) -> None:
+    """Warn of the notes of a file, for whoever reads it."""
     for note in notes:
         warnings.warn(note, FileWarning, stacklevel=3)
 
@@ -239,13 +243,13 @@ def header_of(path: Path) -> Header:
 
 def scene_of(header: Header, path: Path) -> Scene:
     """The scene in the header of a result file; raises InputError where there is none."""
-    with as_rodgens(path):
+    with as_input_error(path):
         return Scene.from_dict(json.loads(header.attributes["scene"]))
 
 
 @contextmanager
-def as_rodgens(path: Path) -> Iterator[None]:
-    """What NumPy and others say of the contents of a file that is no result, as a InputError."""
+def as_input_error(path: Path) -> Iterator[None]:
+    """Turn errors by the contents of a file that is no result into InputErrors."""
     try:
         yield
     except (*STRANGE, OSError) as error:

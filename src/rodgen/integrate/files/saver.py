@@ -1,4 +1,4 @@
-"""A run on the disk: samples as they come, and states from which it can go on."""
+"""Saving of a run to disk: samples as they come, and states from which it can go on."""
 
 from __future__ import annotations
 
@@ -9,16 +9,16 @@ from pathlib import Path
 from types import ModuleType
 
 from rodgen.errors import InputError
-from rodgen.integrate.catalogue import loads_at_work
-from rodgen.integrate.endings import ENDED, FINISHED
-from rodgen.integrate.events import Watch
+from rodgen.integrate.events import EventDetector
 from rodgen.integrate.files import checkpoint as files
-from rodgen.integrate.files.checksums import RUNNING, Run
+from rodgen.integrate.files.checksums import RUNNING, RunState
 from rodgen.integrate.files.reader import solution_of
 from rodgen.integrate.files.result_file import ResultFile
 from rodgen.integrate.files.stream import Stream
-from rodgen.integrate.machine import Machine, State
-from rodgen.integrate.samples import Recorder
+from rodgen.integrate.integrator import Integrator, State
+from rodgen.integrate.quantity_formulas import loads_at_work
+from rodgen.integrate.recorder import Recorder
+from rodgen.integrate.run_status import ENDED, FINISHED
 from rodgen.integrate.solution import Solution
 from rodgen.integrate.stepper import Stats
 from rodgen.system import System
@@ -29,14 +29,14 @@ _NOTHING = {"samples": 0, "events": 0, "seconds": 0.0}  # what a run without a c
 PATIENCE = 2.0  # seconds after which samples are written, whether a block is full or not
 
 
-def check_every(seconds: float | None, field: str = "checkpoint") -> None:
+def check_interval(seconds: float | None, field: str = "checkpoint") -> None:
     """Raise InputError unless checkpoints can be kept every so many seconds, or are not wanted."""
     if seconds is not None and not 0 < seconds < math.inf:
         raise InputError(field, seconds, "a positive number of seconds")
 
 
 class Saver:
-    """What is written of a run; nothing if it has no file.
+    """Writer of the file and the checkpoints of a run; writes nothing for a run without a file.
 
     samples, seconds: what a run that is taken up has behind it.
     """
@@ -57,8 +57,8 @@ class Saver:
     def begin(
         cls, system: System, model: ModuleType, out: str | Path | None, every: float | None
     ) -> Saver:
-        """A new file, if one is asked for. Raises InputError where it cannot be."""
-        check_every(every)
+        """Create a new file, if one is asked for. Raises InputError where it cannot be."""
+        check_interval(every)
         if out is None:
             if every is not None:
                 raise InputError("checkpoint", every, "given with out, beside which it is kept")
@@ -66,29 +66,29 @@ class Saver:
         works = loads_at_work(model)
         room = ROOM if system.events else 0
         # First: a state of another run beside a file would be taken for its own.
-        files.beside(Path(out)).unlink(missing_ok=True)
+        files.checkpoint_path(Path(out)).unlink(missing_ok=True)
         stream = Stream.create(Path(out), system, model, works, room)
         return cls(system, model, stream, every)
 
     @classmethod
     def resume(cls, path: Path, every: float | None) -> Saver:
-        """A file to go on with, from its last checkpoint; from its start if it has none.
+        """Open a file to go on with, from its last checkpoint; from its start if it has none.
 
-        Raises InputError for a run that has ended, and for a checkpoint that is not of this file
-        or of another module.
+        Raises InputError for a run that has ended, and for a checkpoint that is not of this file or
+        of another module.
         """
         with ResultFile(path) as file:
             if file.run.status in ENDED:
-                allowed = f"of a run to go on with; this one {_ended(file.run)}"
+                allowed = f"of a run to go on with; this one {_end_clause(file.run)}"
                 raise InputError("file", str(path), allowed)
-        at = files.beside(path)
+        at = files.checkpoint_path(path)
         state, numbers = files.read(at) if at.exists() else ({}, _NOTHING)
         try:
             samples, events = int(numbers["samples"]), int(numbers["events"])
             # What is behind them is computed again, whether it is damaged or not.
             stream = Stream.reopen(path, most=samples)
             try:
-                if state and numbers["module"] != _module(stream.model):
+                if state and numbers["module"] != _module_key(stream.model):
                     raise InputError("checkpoint", str(at), "of this version of rodgen")
                 stream.truncate(samples, events)
             except BaseException:
@@ -103,8 +103,8 @@ class Saver:
         saver._state, saver.resumed = state, True
         return saver
 
-    def restore(self, machine: Machine) -> bool:
-        """Take a machine to where the checkpoint was; False where there is none."""
+    def restore(self, machine: Integrator) -> bool:
+        """Restore an integrator from the checkpoint; False where there is none."""
         if not self._state:
             return False
         try:
@@ -115,10 +115,14 @@ class Saver:
             ) from None
         return True
 
-    def keep_safe(
-        self, recorder: Recorder, machine: Machine, watch: Watch, stats: Callable[[], Stats]
+    def attach(
+        self,
+        recorder: Recorder,
+        machine: Integrator,
+        watch: EventDetector,
+        stats: Callable[[], Stats],
     ) -> None:
-        """What is to be written from now on."""
+        """Set what is to be written from now on."""
         self._recorder, self._machine, self._watch, self._stats = recorder, machine, watch, stats
 
     def tick(self, now: float) -> None:
@@ -138,7 +142,7 @@ class Saver:
         for number, t, y in self._watch.happened:
             self.stream.add_event(number, t, y)
         self._watch.happened.clear()  # memory is not to grow with the span
-        self.stream.note(RUNNING, "", self._stats())
+        self.stream.write_status(RUNNING, "", self._stats())
 
     def _checkpoint(self) -> None:
         assert self.stream is not None
@@ -152,12 +156,12 @@ class Saver:
             "samples": self.stream.count,
             "events": self.stream.events,
             "seconds": self._stats().wall_seconds,
-            "module": _module(self.model),
+            "module": _module_key(self.model),
         }
-        files.write(files.beside(self.stream.path), state, numbers)
+        files.write(files.checkpoint_path(self.stream.path), state, numbers)
 
     def finish(self, status: str, message: str, stats: Stats) -> Solution:
-        """The last samples, how the run ended, and the Solution, thinned if it is long."""
+        """Write the last samples and how the run ended; return the Solution, thinned if long."""
         assert self.stream is not None
         path = self.stream.path
         if status not in ENDED and self._every is not None:
@@ -165,19 +169,19 @@ class Saver:
         self._write()
         self.stream.finish(status, message, stats)
         if status in ENDED:
-            files.beside(path).unlink(missing_ok=True)
+            files.checkpoint_path(path).unlink(missing_ok=True)
         with ResultFile(path) as file:
-            records, good = file.just_written()
+            records, good = file.unchecked_samples()
             solution = solution_of(file, records, good, IN_MEMORY)
         solution.model = self.model
         return solution
 
 
-def _ended(run: Run) -> str:
+def _end_clause(run: RunState) -> str:
     return "is finished" if run.status == FINISHED else run.message
 
 
-def _module(model: ModuleType) -> str:
-    """What a state belongs to: another text of the module has another memory."""
+def _module_key(model: ModuleType) -> str:
+    """Key of the module that a state belongs to: another text of the module has another memory."""
     p = model.PROVENANCE
     return f"{p['rodgen']} {p['structure_hash']} {p['template_hash']}"

@@ -1,4 +1,4 @@
-"""Runs as xarray's Datasets and pandas' tables, and written to NetCDF files."""
+"""Conversion of runs to xarray Datasets and pandas tables, and saving to NetCDF files."""
 
 from __future__ import annotations
 
@@ -10,8 +10,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from rodgen.integrate.files import replaced
-from rodgen.integrate.files.layout import (
+from rodgen.integrate.files import atomic_write
+from rodgen.integrate.files.file_layout import (
     attributes,
     event_variables,
     parameter_names,
@@ -71,13 +71,13 @@ def to_xarray(trajectory: Trajectory) -> xarray.Dataset:
 
 
 def _event_numbers(trajectory: Trajectory) -> list[int]:
-    """Number in the scene of the kind of every event."""
+    """Numbers in the scene of the kinds of all events."""
     names = [event.name for event in trajectory.scene.events]
     return [names.index(event.name) for event in trajectory.events]
 
 
 def to_pandas(trajectory: Trajectory) -> pandas.DataFrame:
-    """All that a Dataset holds and added states, a column a number, with units as an attribute."""
+    """Table of what a Dataset holds and of added states, a column a number, units in `attrs`."""
     import pandas  # only where it is needed: it takes long to import
 
     columns, units = {}, {}
@@ -89,7 +89,7 @@ def to_pandas(trajectory: Trajectory) -> pandas.DataFrame:
             for number, at in _numbers(trajectory, quantity, name):
                 columns[number] = values[(slice(None), *at)]
                 units[number] = quantity.unit
-    for back, name in enumerate(reversed(trajectory.added), start=1):
+    for back, name in enumerate(reversed(trajectory.extra_states), start=1):
         columns[name] = trajectory.y[:, -back]
         units[name] = ""
     frame = pandas.DataFrame(columns, pandas.Index(trajectory.t, name="t"))
@@ -98,7 +98,7 @@ def to_pandas(trajectory: Trajectory) -> pandas.DataFrame:
 
 
 def _numbers(trajectory: Trajectory, quantity: Quantity, name: str) -> Iterator[tuple[str, Index]]:
-    """Single numbers of a quantity, by their names and where they are beside the time."""
+    """Names of the single numbers of a quantity, and their indices beside the time."""
     links = trajectory.scene.rod.links
     if quantity.each == FORCES:
         for joint in range(links + 1):
@@ -106,7 +106,9 @@ def _numbers(trajectory: Trajectory, quantity: Quantity, name: str) -> Iterator[
     elif quantity.each:
         yield name, ()
     else:
-        yield from ((one.name, one.at) for one in numbers(quantity, trajectory.hold, links))
+        yield from (
+            (one.name, one.at) for one in numbers(quantity, trajectory.boundary_condition, links)
+        )
 
 
 def save(trajectory: Trajectory, path: Path) -> None:
@@ -114,11 +116,11 @@ def save(trajectory: Trajectory, path: Path) -> None:
     parts = trajectory.system, trajectory.model, list(trajectory.work)
     room, changes = len(trajectory.events), trajectory.changes
     with (
-        replaced(path) as part,
+        atomic_write(path) as part,
         Stream.create(part, *parts, events=room, changed=changes is not None) as stream,
     ):
         stream.append(trajectory.t, trajectory.y, trajectory.work, changes)
         for number, event in zip(_event_numbers(trajectory), trajectory.events, strict=True):
             stream.add_event(number, event.t, event.y)
-        stream.keep(trajectory.run_notes)
+        stream.write_notes(trajectory.run_notes)
         stream.finish(trajectory.status, trajectory.message, trajectory.stats)

@@ -12,9 +12,9 @@ import numpy as np
 
 from rodgen.arrays import Array
 from rodgen.errors import InputError
-from rodgen.integrate.files import checksums, replaced
-from rodgen.integrate.files.checksums import NO_STATS, RUNNING, Run
-from rodgen.integrate.files.layout import (
+from rodgen.integrate.files import atomic_write, checksums
+from rodgen.integrate.files.checksums import NO_STATS, RUNNING, RunState
+from rodgen.integrate.files.file_layout import (
     GIVEN,
     PARAMETERS,
     WORK,
@@ -48,7 +48,7 @@ class Stream:
         self.path, self.system, self.model = path, system, model
         self._file = RecordFile(path, header)
         try:
-            self._run = Run.of(self._file.fixed(checksums.RUN).tobytes(), path)
+            self._run = RunState.of(self._file.read_fixed(checksums.RUN).tobytes(), path)
         except InputError:
             self.close()
             raise
@@ -73,19 +73,19 @@ class Stream:
         events: int = 0,
         changed: bool = False,
     ) -> Self:
-        """A file without samples; events: room for so many; changed: each sample has parameters of
-        its own.
+        """Create a file without samples; events: room for so many; changed: each sample has
+        parameters of its own.
 
         Raises InputError where there is no such folder, or for more than the format can hold.
         """
-        with replaced(path) as part:
+        with atomic_write(path) as part:
             parts = contents(system, model, work_terms, events, changed)
-            part.write_bytes(_told(empty_file(*parts, aligned=checksums.RUN)))
+            part.write_bytes(_with_run_text(empty_file(*parts, aligned=checksums.RUN)))
         return cls(path, open_header(path)[0], system, model)
 
     @classmethod
     def reopen(cls, path: Path, model: ModuleType | None = None, most: int | None = None) -> Self:
-        """A file to go on with: its status is running again, half a record at its end is cut off.
+        """Open a file to go on with: its status is running again, half a record at the end cut off.
 
         model: the module it was made with, built if it is not given; most: samples to go back to,
         of which none may be damaged. Raises InputError for files that are not rodgen's or not as
@@ -105,24 +105,24 @@ class Stream:
         if stream._run.events < stream._capacity:  # it may be half written
             stream._clear_event(stream._run.events)
         stream.truncate(stream.count if most is None else min(most, stream.count))
-        stream.note(RUNNING, "", stream._run.stats)
+        stream.write_status(RUNNING, "", stream._run.stats)
         return stream
 
     @property
     def count(self) -> int:
-        """Samples in the file."""
+        """Number of samples in the file."""
         return self._file.count
 
     @property
     def events(self) -> int:
-        """Events added so far, with those for which there was no room."""
+        """Number of events added so far, with those for which there was no room."""
         return self._run.events + self._run.lost
 
     def append(
         self, t: Array, y: Array, work: Mapping[str, Array], changes: Changes | None = None
     ) -> None:
-        """Samples at times t (K,) [s]: states y (K, S), work [J] by term, each (K,); what held
-        then, if the file was created for changes.
+        """Append samples at times t (K,) [s]: states y (K, S), work [J] by term, each (K,);
+        parameters and energy given then, if the file was created for changes.
 
         Raises ValueError for other shapes or terms, InputError where no more samples fit in.
         """
@@ -142,7 +142,7 @@ class Stream:
         )
         at_once = max(1, BLOCK // record.itemsize)
         for at in range(0, count, at_once):
-            self._append(whole.taken(slice(at, at + at_once)))
+            self._append(whole.isel(slice(at, at + at_once)))
 
     def _append(self, block: Trajectory) -> None:
         with np.errstate(all="ignore"):  # of a run that blew up
@@ -154,29 +154,31 @@ class Stream:
         for name, quantity in found.items():
             records[name] = quantity.values
         first = self.count
-        records[checksums.CHECKSUM] = checksums.of_records(records, first, self._run.fixed)
+        records[checksums.CHECKSUM] = checksums.checksums_of_records(
+            records, first, self._run.fixed
+        )
         self._file.append(records)
-        self._tell(self._run._replace(samples=first + len(records)))
+        self._write_run(self._run._replace(samples=first + len(records)))
         self._file.count_to(first + len(records))
 
     def add_event(self, number: int, t: float, y: Array) -> None:
-        """An event of the kind that has this number in the scene, at time t [s] in state y (S,).
+        """Add an event, by the number of its kind in the scene, at time t [s] in state y (S,).
 
         One for which there is no room is counted in the text of the run, and lost.
         """
         run = self._run
         if run.events == self._capacity:
-            self._tell(run._replace(lost=run.lost + 1))
+            self._write_run(run._replace(lost=run.lost + 1))
             return
-        checksum = checksums.of_event(run.events, number, t, y, run.fixed)
+        checksum = checksums.checksum_of_event(run.events, number, t, y, run.fixed)
         self._put_event(run.events, number, t, y, checksum)
-        self._tell(run._replace(events=run.events + 1))
+        self._write_run(run._replace(events=run.events + 1))
 
     def _clear_event(self, at: int) -> None:
         self._put_event(at, -1, np.nan, np.full(len(self.model.STATE), np.nan), np.int32(0))
 
     def _put_event(self, at: int, number: int, t: float, y: Array, checksum: np.int32) -> None:
-        """The number is there only while all that belongs to it is."""
+        """Write an event; its number is there only while all that belongs to it is."""
         self._file.put("event_number", at, -1)
         self._file.put("event_time", at, t)
         self._file.put("event_y", at, y)
@@ -193,34 +195,34 @@ class Stream:
             there = f"{self.count} samples and {self.events} events"
             raise ValueError(f"cannot go back from {there} to {count} and {events}")
         self._file.count_to(count)
-        self._tell(self._run._replace(samples=count))
-        self._file.cut()
+        self._write_run(self._run._replace(samples=count))
+        self._file.truncate()
         self._first = self._first if count else None
         while self._run.events > events:
-            self._tell(self._run._replace(events=self._run.events - 1))
+            self._write_run(self._run._replace(events=self._run.events - 1))
             self._clear_event(self._run.events)
-        self._tell(self._run._replace(lost=events - self._run.events))
+        self._write_run(self._run._replace(lost=events - self._run.events))
 
-    def note(self, status: str, message: str, stats: Stats | None) -> None:
-        """Say how the run goes; a message of more than some 4000 letters is cut."""
-        self._tell(self._run._replace(status=status, message=message, stats=stats))
+    def write_status(self, status: str, message: str, stats: Stats | None) -> None:
+        """Write how the run goes; a message of more than some 4000 letters is cut."""
+        self._write_run(self._run._replace(status=status, message=message, stats=stats))
 
     @property
     def notes(self) -> tuple[Note, ...]:
-        """What is doubtful about the run."""
+        """Doubts about the run."""
         return self._run.notes
 
-    def keep(self, notes: tuple[Note, ...]) -> None:
-        """Keep what is doubtful about the run."""
-        self._tell(self._run._replace(notes=notes))
+    def write_notes(self, notes: tuple[Note, ...]) -> None:
+        """Write the doubts about the run."""
+        self._write_run(self._run._replace(notes=notes))
 
-    def _tell(self, run: Run) -> None:
+    def _write_run(self, run: RunState) -> None:
         self._file.put_text(checksums.RUN, run.text())
         self._run = run
 
     def finish(self, status: str, message: str, stats: Stats) -> None:
-        """Say how the run ended, wait until all of it is on the disk, and close the file."""
-        self.note(status, message, stats)
+        """Write how the run ended, wait until all of it is on the disk, and close the file."""
+        self.write_status(status, message, stats)
         self._file.sync()
         self.close()
 
@@ -235,10 +237,10 @@ class Stream:
         self.close()
 
 
-def _told(image: bytes) -> bytes:
-    """A file without samples, in whose text of the run the checksum of the rest is."""
+def _with_run_text(image: bytes) -> bytes:
+    """Put the text of the run, with the checksum of the rest, into a file without samples."""
     header = read_header(io.BytesIO(image))
-    fixed = checksums.of_fixed(header, lambda at, size: image[at : at + size])
+    fixed = checksums.checksum_of_header(header, lambda at, size: image[at : at + size])
     at = header.variables[checksums.RUN].begin
-    text = Run(fixed=fixed).text()
+    text = RunState(fixed=fixed).text()
     return image[:at] + text + image[at + len(text) :]

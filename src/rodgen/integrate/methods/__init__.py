@@ -1,1 +1,1 @@
-"""Steps of the methods in rodgen.model.methods: in Python, in C, and what chooses among them."""
+"""Integrators of the methods in rodgen.model.methods, in Python and in C, and their choice."""

@@ -1,4 +1,4 @@
-"""Methods of fixed step: equal steps from a start, the last one shortened to meet the end."""
+"""Steppers of fixed step: equal steps from a start, the last one shortened to meet the end."""
 
 from __future__ import annotations
 
@@ -9,23 +9,32 @@ from typing import Any
 import numpy as np
 
 from rodgen.arrays import Array
-from rodgen.integrate.stepper import Counts, Interpolant, Problem, Rhs, StepError, hermite
+from rodgen.integrate.stepper import (
+    Counts,
+    InitialValueProblem,
+    Interpolant,
+    Rhs,
+    StepError,
+    hermite,
+)
 from rodgen.model.method import Tableau
 from rodgen.model.methods import TABLEAUX
 
 Advance = Callable[[Rhs, float, Array, Array, float], Array]
 
 
-def advance(tableau: Tableau, number: Callable[[Any], Any] = float, added: int = 0) -> Advance:
-    """A step of an explicit method: the state after it, from rhs, t, y, the rate at (t, y) and h.
+def explicit_step(
+    tableau: Tableau, number: Callable[[Any], Any] = float, added: int = 0
+) -> Advance:
+    """Make the step of an explicit method: new state from rhs, t, y, the rate at (t, y) and h.
 
-    number: what the weights are turned into; states may be of symbols where it makes such; added:
-    how many of the states are neither positions nor velocities.
+    number: converts the weights; states may be of symbols where it makes such; added: how many of
+    the states are neither positions nor velocities.
     """
     rows = [[(at, number(w)) for at, w in enumerate(row) if w] for row in tableau.rows]
     times = [number(c) for c in tableau.c]
 
-    def moved(y: Array, h: float, row: list[tuple[int, Any]], rates: list[Array]) -> Array:
+    def combine(y: Array, h: float, row: list[tuple[int, Any]], rates: list[Array]) -> Array:
         new: Array = y + h * sum(weight * rates[at] for at, weight in row)
         if tableau.follow:
             half = (len(y) - added) // 2
@@ -35,36 +44,36 @@ def advance(tableau: Tableau, number: Callable[[Any], Any] = float, added: int =
     def step(rhs: Rhs, t: float, y: Array, f: Array, h: float) -> Array:
         rates = [f]
         for c, row in zip(times[1:], rows, strict=False):
-            rates.append(rhs(t + c * h, moved(y, h, row, rates)))
-        return moved(y, h, rows[-1], rates)
+            rates.append(rhs(t + c * h, combine(y, h, row, rates)))
+        return combine(y, h, rows[-1], rates)
 
     return step
 
 
 class FixedStep:
-    """A method of fixed step between two break points (see stepper.Stepper)."""
+    """Stepper of a method of fixed step between two break points (see stepper.Stepper)."""
 
-    def __init__(self, problem: Problem):
+    def __init__(self, problem: InitialValueProblem):
         t, y, end, step = problem.t, problem.y, problem.end, problem.settings.step
         assert step is not None
         tableau = TABLEAUX[problem.settings.method]
-        self._advance, self._step = advance(tableau, added=problem.added), step
+        self._advance, self._step = explicit_step(tableau, added=problem.added), step
         self._counts = Counts(rejected=0)
 
-        def counted(at: float, state: Array) -> Array:
+        def rhs(at: float, state: Array) -> Array:
             self._counts.nfev += 1
             return problem.rhs(at, state)
 
-        self._rhs = counted
+        self._rhs = rhs
         self._start, self._end = t, end
         # A step that would be shorter than a millionth of the others is not taken.
         self._total = max(1, math.ceil((end - t) / step - 1e-6))
         self.t, self.y = t, y
-        self._f = counted(t, y)
+        self._f = rhs(t, y)
 
     @property
     def counts(self) -> Counts:
-        """Cost so far."""
+        """Steps and evaluations so far."""
         return self._counts
 
     def step(self) -> bool:
@@ -81,5 +90,5 @@ class FixedStep:
         return last
 
     def interpolant(self) -> Interpolant:
-        """Cubic through the ends of the last step."""
+        """Cubic Hermite interpolant of the ends of the last step."""
         return hermite(*self._before, self.t, self.y, self._f)

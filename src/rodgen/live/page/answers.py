@@ -1,4 +1,4 @@
-"""What a page says on its channel: what it has drawn, where it looks, which run it keeps."""
+"""Answers of a page on its channel: what it has drawn, where it looks, which run it keeps."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from collections.abc import Callable
 from typing import Any
 
 from rodgen.live.run.live_run import LiveRun
-from rodgen.scene.plain import is_number
+from rodgen.scene.plain_tables import is_number
 
 LONGEST = 200  # letters; what is longer is cut, and so is no JSON
 
@@ -19,53 +19,53 @@ def _acknowledge(run: LiveRun, frame: int) -> None:
 
 def _look(run: LiveRun, t: float | None) -> None:
     if t is None:
-        run.do(run.look_up)
+        run.submit(run.look_at_present)
     else:
-        run.do(lambda: run.look_at(t))
+        run.submit(lambda: run.look_at(t))
 
 
 def _step(run: LiveRun, by: int) -> None:
-    run.do(lambda: run.look_on(by))
+    run.submit(lambda: run.step_view(by))
 
 
 def _keep(run: LiveRun, keeps: bool) -> None:
-    run.do(lambda: run.keep_runs(keeps))
+    run.submit(lambda: run.keep_runs(keeps))
 
 
 def _branch(run: LiveRun, _: None) -> None:
-    run.do(run.branch)
+    run.submit(run.branch)
 
 
-def _flag(value: object) -> bool:
+def _is_flag(value: object) -> bool:
     return isinstance(value, bool)
 
 
-def _nothing(value: object) -> bool:
+def _is_null(value: object) -> bool:
     return value is None
 
 
-def _time(value: object) -> bool:
+def _is_time(value: object) -> bool:
     return value is None or (is_number(value) and math.isfinite(value))
 
 
-def _count(value: object) -> bool:
+def _is_count(value: object) -> bool:
     return isinstance(value, int) and not isinstance(value, bool)
 
 
 # By key of the answer: whether its value is one, and what comes of it.
 ANSWERS: dict[str, tuple[Callable[[object], bool], Callable[[LiveRun, Any], None]]] = {
-    "ack": (_count, _acknowledge),
-    "look": (_time, _look),
-    "step": (_count, _step),
-    "keep": (_flag, _keep),
-    "branch": (_nothing, _branch),
+    "ack": (_is_count, _acknowledge),
+    "look": (_is_time, _look),
+    "step": (_is_count, _step),
+    "keep": (_is_flag, _keep),
+    "branch": (_is_null, _branch),
 }
 
 
-def take_up(run: LiveRun, text: str) -> bool:
-    """Do what a page says: {"ack": number of a message} that it has drawn, {"look": t [s]} or null
-    for the present, {"step": samples}, {"keep": whether runs are kept as ghosts}, {"branch": null}
-    for another run from here; False where it is nothing of these."""
+def act_on_answer(run: LiveRun, text: str) -> bool:
+    """Act on an answer of a page: {"ack": number of a message} that it has drawn, {"look": t [s]}
+    or null for the present, {"step": samples}, {"keep": whether runs are kept as ghosts},
+    {"branch": null} for another run from here. Returns False for anything else."""
     try:
         ((key, value),) = json.loads(text[:LONGEST]).items()
         fits, act = ANSWERS[key]

@@ -1,4 +1,4 @@
-"""What can be taken away: the scene, the run, an animation, a link."""
+"""Downloads from the page: the scene, the run, an animation, a link."""
 
 from __future__ import annotations
 
@@ -13,31 +13,31 @@ from nicegui import app, ui
 from rodgen.errors import InputError
 from rodgen.integrate.solution import Solution
 from rodgen.live.page.fields import heading
-from rodgen.live.page.runs import VIEW, PageRun
-from rodgen.live.run.link import link_to
+from rodgen.live.page.page_run import VIEW, PageRun
+from rodgen.live.run.link import make_link
 from rodgen.scene import Scene
 
 Progress = Callable[[float], None]  # told the share that is done
 Make = Callable[[Solution, Path, Progress], object]
 
 
-class GoneError(Exception):
-    """Nobody waits for what is made."""
+class PageGoneError(Exception):
+    """The page that a file is made for is gone."""
 
 
-class Downloads:
-    """Buttons; what takes long is made in a thread while the run goes on."""
+class DownloadsPanel:
+    """Buttons to save; a file that takes long is made in a thread while the run goes on."""
 
     def __init__(self, page: PageRun):
         self.page = page
         heading("Save")
         with ui.element("div").classes("rg-save"):
             for text, icon, clicked in (
-                ("Scene as TOML", "description", self._scene),
-                ("Run as NetCDF", "save", self._run),
-                ("Animation as MP4", "movie", lambda: self._animation("mp4")),
-                ("Animation as GIF", "gif_box", lambda: self._animation("gif")),
-                ("Link to what is shown", "link", self._link),
+                ("Scene as TOML", "description", self._save_scene),
+                ("Run as NetCDF", "save", self._save_run),
+                ("Animation as MP4", "movie", lambda: self._save_animation("mp4")),
+                ("Animation as GIF", "gif_box", lambda: self._save_animation("gif")),
+                ("Link to what is shown", "link", self._make_link),
             ):
                 ui.button(text, icon=icon, on_click=clicked).props("flat no-caps align=left")
         self.progress = ui.linear_progress(0.0, show_value=False).props("instant-feedback")
@@ -48,20 +48,20 @@ class Downloads:
         self._linked: Scene | None = None
         self._busy = False
         self._folder: tempfile.TemporaryDirectory[str] | None = None
-        page.client.on_delete(self._left)
+        page.client.on_delete(self._clear_after_page)
 
     def refresh(self) -> None:
         """Hide a link to another scene than the present one."""
         if self.page.scene is not self._linked:
             self.link.set_visibility(False)
 
-    def _scene(self) -> None:
+    def _save_scene(self) -> None:
         scene = self.page.scene
         ui.download.content(scene.to_toml().encode(), f"{scene.name}.toml", "application/toml")
 
-    async def _link(self) -> None:
+    async def _make_link(self) -> None:
         view = str(self.page.tab.get(VIEW, ""))
-        link = await self.page.do(lambda: link_to(self.page.run, view))
+        link = await self.page.call(lambda: make_link(self.page.run, view))
         try:
             packed = link.pack()
         except InputError as error:
@@ -73,19 +73,19 @@ class Downloads:
         ui.clipboard.write(str(self.link.value))
         self.said.set_text("The link holds the scene as it is, plots, view, time and state.")
 
-    async def _run(self) -> None:
-        await self._made("nc", lambda solution, path, _: solution.save(path))
+    async def _save_run(self) -> None:
+        await self._download("nc", lambda solution, path, _: solution.save(path))
 
-    async def _animation(self, ending: str) -> None:
+    async def _save_animation(self, ending: str) -> None:
         from rodgen.show.animation.film import animate
 
-        def made(solution: Solution, path: Path, progress: Progress) -> None:
+        def make_film(solution: Solution, path: Path, progress: Progress) -> None:
             start, span = float(solution.t[0]), float(np.ptp(solution.t)) or 1.0
             animate(solution, path, progress=lambda t: progress((t - start) / span))
 
-        await self._made(ending, made)
+        await self._download(ending, make_film)
 
-    async def _made(self, ending: str, make: Make) -> None:
+    async def _download(self, ending: str, make: Make) -> None:
         """Make a file from all samples so far, and have it downloaded."""
         if self._busy:
             return
@@ -95,33 +95,33 @@ class Downloads:
         self.said.set_text("writing")
         said = ""
         try:
-            said = await self._file(ending, make)
+            said = await self._make_file(ending, make)
         except (InputError, OSError) as error:
             said = str(error)
-        except GoneError:
+        except PageGoneError:
             pass
         finally:
             self._busy = False
             if self.page.client.is_deleted:
-                self._left()
+                self._clear_after_page()
             else:
                 self.progress.set_visibility(False)
                 self.said.set_text(said)
 
-    async def _file(self, ending: str, make: Make) -> str:
+    async def _make_file(self, ending: str, make: Make) -> str:
         """Make a file in a thread; it is kept until the next one, as downloads may be slow."""
-        solution = await self.page.do(self.page.run.solution)
+        solution = await self.page.call(self.page.run.solution)
         self._clear()
         self._folder = tempfile.TemporaryDirectory(prefix="rodgen-", ignore_cleanup_errors=True)
         path = Path(self._folder.name, f"{solution.scene.name}.{ending}")
-        progress = self._progress()
+        progress = self._progress_callback()
         await asyncio.to_thread(make, solution, path, progress)
         progress(1.0)
         ui.download.file(path, path.name)
         span = f"t = {solution.t[0]:.6g} s to {solution.t[-1]:.6g} s"
         return f"{path.name}: {len(solution.t)} samples, {span}"
 
-    def _left(self) -> None:
+    def _clear_after_page(self) -> None:
         """Clear up after a page that is gone; what is being written ends by itself."""
         if not self._busy:
             self._clear()
@@ -131,13 +131,13 @@ class Downloads:
             self._folder.cleanup()
             self._folder = None
 
-    def _progress(self) -> Progress:
-        """A function that tells the page from another thread, and ends the work without a page."""
+    def _progress_callback(self) -> Progress:
+        """Make a function that tells the page progress; it raises PageGoneError without a page."""
         loop = asyncio.get_running_loop()
 
         def progress(share: float) -> None:
             if self.page.client.is_deleted or not app.is_started:
-                raise GoneError
+                raise PageGoneError
             loop.call_soon_threadsafe(self.progress.set_value, share)
 
         return progress

@@ -27,8 +27,8 @@ View = Literal["fixed", "centre", "axes"]
 
 
 class Layer(NamedTuple):
-    """Something that the picture can show: in words, whether it does at first, and the term that a
-    scene must have for it."""
+    """Layer of the picture: its label, whether it is shown at first, and the term that a scene must
+    have for it."""
 
     label: str
     shown: bool = True
@@ -44,7 +44,7 @@ LAYERS = {
     "ends": Layer("names of the ends"),
     "cg": Layer("centre of gravity"),
     "axes": Layer("principal axes of inertia", shown=False),
-    **{name: Layer(term.label, not term.damps, name) for name, term in LOADS.items()},
+    **{name: Layer(term.label, not term.is_damping, name) for name, term in LOADS.items()},
     "trail": Layer("trail of tail and centre of gravity"),
     "grid": Layer("grid"),
     "beside": Layer("run that is kept: beside, not behind", shown=False),
@@ -53,8 +53,8 @@ LAYERS = {
 SHOWN = {name: layer.shown for name, layer in LAYERS.items()}  # at first
 
 
-def style() -> str:
-    """The style of a page: colours, that of the plots, and its own."""
+def style_sheet() -> str:
+    """Style sheet of a page: colours, that of the plots, and its own."""
     colours = f"body {{ {as_css(LIGHT)} }}\nbody.body--dark {{ {as_css(DARK)} }}\n"
     return colours + "\n".join((STATIC / sheet).read_text(encoding="utf-8") for sheet in SHEETS)
 
@@ -70,11 +70,10 @@ def _listen(element: Element, event: str, keys: list[str], handler: Handler) -> 
 
 
 class Keys(Element, component=STATIC / "keys.js"):
-    """Keys of the whole page, by name as in KeyboardEvent.key, and what each of them does.
-    Controls keep the keys that they use themselves, and the browser its shortcuts.
+    """Keys of the whole page, by name as in KeyboardEvent.key, and what each of them does. Controls
+    keep the keys that they use themselves, and the browser its shortcuts.
 
-    Props: keys, and held: those that count again while they are held down.
-    Events: "key" {key}.
+    Props: keys, and held: those that count again while they are held down. Events: "key" {key}.
     """
 
     def __init__(self, does: Mapping[str, Callable[[], object]], held: str = "") -> None:
@@ -84,7 +83,7 @@ class Keys(Element, component=STATIC / "keys.js"):
 
 
 class Aria(Element, component=STATIC / "aria.js"):
-    """What the page's controls leave unsaid to screen readers is said to them. One a page."""
+    """Corrections to the roles and labels of sliders and lists for screen readers. One a page."""
 
 
 class Channel(Element, component=STATIC / "channel.js", esm={"rodgen-live": str(STATIC)}):
@@ -100,12 +99,12 @@ class Channel(Element, component=STATIC / "channel.js", esm={"rodgen-live": str(
 
 
 def arrows_of(names: Iterable[str]) -> list[dict[str, Any]]:
-    """How loads are drawn, as the page has it; layer: by which they are switched on and off."""
+    """Arrows of loads, as the page draws them; layer: by which they are switched on and off."""
     loads = ((name, TERMS[name]) for name in names)
     return [
         {
             "term": name,
-            "layer": load.kind_name,
+            "layer": load.base_name,
             "label": load.label,
             "kind": ARROWS[load.kind],
             "colours": load.colours,
@@ -126,14 +125,14 @@ class RodCanvas(Element, component=STATIC / "rod.js"):
     sample.
 
     Props: show {name: bool} (see LAYERS), loads (those that are drawn, as the vocabulary has them),
-    bodies [{name, link, along, across, size}] (see scene.along.Mark), ties [{link, share, x, y}]
-    (see scene.anchors.Tie), bed [[x, y], [x, y]] of a foundation, view ("fixed", "centre": the
-    centre of gravity stays where it is, "axes": and the principal axes as well), support ("none",
-    "wall", "pin"), clampAngle [rad], kick (links can be kicked), perMetre (of a kick, [N s] for a
-    metre dragged), pull (they can be pulled), hold (what pulls stays where it is let go), times (by
-    which displacements from the straight rod are drawn larger), mode (a mode shape to draw, see
-    page/modes.py), label (for screen readers), rod (any number: another one fits the picture anew
-    and clears the scales; another number of links does so too).
+    bodies [{name, link, along, across, size}] (see scene.distribution.BodyOutline), ties [{link,
+    share, x, y}] (see scene.anchors.SupportPoint), bed [[x, y], [x, y]] of a foundation, view
+    ("fixed", "centre": the centre of gravity stays where it is, "axes": and the principal axes as
+    well), support ("none", "wall", "pin"), clampAngle [rad], kick (links can be kicked), perMetre
+    (of a kick, [N s] for a metre dragged), pull (they can be pulled), hold (what pulls stays where
+    it is let go), times (by which displacements from the straight rod are drawn larger), mode (a
+    mode shape to draw, see page/mode_panel.py), label (for screen readers), rod (any number:
+    another one fits the picture anew and clears the scales; another number of links does so too).
     Events, while `kick` or `pull` is on: "link" {link, share}: a link was clicked, at `share` (0
     start, 1 end); "kick" {link, share, dx, dy}: what was dragged from there, in metres; "pull"
     {link, share, x, y}: it was taken hold of, and the pointer is at that place of the world [m];
@@ -149,19 +148,19 @@ class RodCanvas(Element, component=STATIC / "rod.js"):
         )
         self._props.update(pull=False, hold=False)
 
-    def set(self, **props: Any) -> None:
+    def set_props(self, **props: Any) -> None:
         """Set props by name: bodies, ties, bed, view, kick, perMetre, pull, hold, times, mode,
         clampAngle."""
         self._props.update(props)
 
     def show(self, **shown: bool) -> None:
-        """Switch what is drawn: show(trail=False)."""
-        self.set(show={**self._props["show"], **shown})
+        """Switch layers on or off: show(trail=False)."""
+        self.set_props(show={**self._props["show"], **shown})
 
-    def rod(self, number: int, support: str, label: str, loads: Iterable[str]) -> None:
+    def show_rod(self, number: int, support: str, label: str, loads: Iterable[str]) -> None:
         """Show another rod, with loads of these names; `number` is other than that of the one
         before."""
-        self.set(rod=number, support=support, label=label, loads=arrows_of(loads))
+        self.set_props(rod=number, support=support, label=label, loads=arrows_of(loads))
 
     def fit(self) -> None:
         self.run_method("fit")
@@ -216,7 +215,7 @@ class Plots(Element, component=STATIC / "plots.js"):
 
     def __init__(self) -> None:
         super().__init__()
-        self.put([])
+        self.set_specs([])
         _listen(self, "removed", ["id"], lambda e: self.drop(str(e["id"])))
         _listen(self, "moved", ["ids"], lambda e: self._arrange(e["ids"]))
         _listen(self, "wrapped", ["id", "wrapped"], lambda e: self._wrap(e["id"], e["wrapped"]))
@@ -225,30 +224,30 @@ class Plots(Element, component=STATIC / "plots.js"):
     def specs(self) -> list[dict[str, Any]]:
         return list(self._props["specs"])
 
-    def put(self, specs: list[dict[str, Any]]) -> None:
+    def set_specs(self, specs: list[dict[str, Any]]) -> None:
         """Show these plots, in their order."""
         self._props["specs"] = specs
         self.update()
 
     def drop(self, plot: str) -> None:
         """Remove the plot of this id, if it is there."""
-        self.put([spec for spec in self.specs if spec["id"] != plot])
+        self.set_specs([spec for spec in self.specs if spec["id"] != plot])
 
     def _arrange(self, ids: Any) -> None:
         place = {plot: k for k, plot in enumerate(ids)} if isinstance(ids, list) else {}
-        self.put(sorted(self.specs, key=lambda spec: place.get(spec["id"], len(place))))
+        self.set_specs(sorted(self.specs, key=lambda spec: place.get(spec["id"], len(place))))
 
     def _wrap(self, plot: Any, wrapped: Any) -> None:
         one = {"wrapped": bool(wrapped)}
-        self.put([spec | one if spec["id"] == plot else spec for spec in self.specs])
+        self.set_specs([spec | one if spec["id"] == plot else spec for spec in self.specs])
 
-    def on_removed(self, handler: Callable[[str], None]) -> None:
+    def on_remove(self, handler: Callable[[str], None]) -> None:
         _listen(self, "removed", ["id"], lambda e: handler(str(e["id"])))
 
-    def on_moved(self, handler: Callable[[list[str]], None]) -> None:
+    def on_move(self, handler: Callable[[list[str]], None]) -> None:
         _listen(self, "moved", ["ids"], lambda e: handler([str(plot) for plot in e["ids"]]))
 
-    def on_wrapped(self, handler: Callable[[str, bool], None]) -> None:
+    def on_wrap(self, handler: Callable[[str, bool], None]) -> None:
         _listen(
             self, "wrapped", ["id", "wrapped"], lambda e: handler(str(e["id"]), bool(e["wrapped"]))
         )

@@ -16,10 +16,10 @@ from jinja2 import Environment, FileSystemLoader, StrictUndefined
 
 from rodgen.errors import InputError
 from rodgen.integrate.solution import Solution
-from rodgen.live.catalogue import Catalogue
-from rodgen.live.page.elements import ICONS, LIBRARY, SHOWN, STATIC, arrows_of, style
+from rodgen.live.page.elements import ICONS, LIBRARY, SHOWN, STATIC, arrows_of, style_sheet
 from rodgen.live.page.plots import first_plots
-from rodgen.live.page.rod import description, drawn_of, first_view
+from rodgen.live.page.rod_view import description, first_view, scene_props
+from rodgen.live.plot_quantities import Catalogue
 from rodgen.live.replay import Replay, replay
 from rodgen.scene import Scene
 
@@ -40,7 +40,7 @@ def export(solution: Solution, folder: Path) -> None:
     """Write a run as a page, with rod, time line and plots: index.html opens from the file system.
     Raises InputError for a folder that holds anything else than such a page, and for a run that
     cannot be shown."""
-    check_own(folder)
+    check_folder(folder)
     catalogue = Catalogue(solution.system, solution.model)
     profiles = [{"kind": "profile", "y": [MOMENTS]}] if MOMENTS in catalogue.along else []
     recorded = replay(solution, [*first_plots(catalogue), *profiles])
@@ -52,46 +52,46 @@ def export(solution: Solution, folder: Path) -> None:
             for name in FILES:
                 shutil.move(Path(made, name), folder / name)
     except OSError as error:
-        raise _refused(folder, f"a folder to write into ({error.strerror or error})") from None
+        raise _refusal(folder, f"a folder to write into ({error.strerror or error})") from None
 
 
-def check_own(folder: Path) -> None:
-    """Refuse a folder that is somebody else's. Raises InputError."""
+def check_folder(folder: Path) -> None:
+    """Refuse a folder with files that `export` has not written. Raises InputError."""
     if not folder.exists():
         return
     if not folder.is_dir():
-        raise _refused(folder, "a folder")
+        raise _refusal(folder, "a folder")
     found = {path.name for path in folder.iterdir()}
     own = PAGE in found and GENERATOR in (folder / PAGE).read_text("utf-8", errors="replace")
     if found and not (own and found <= FILES):
-        raise _refused(folder, "a new folder, an empty one, or one that --export has written")
+        raise _refusal(folder, "a new folder, an empty one, or one that --export has written")
 
 
-def _refused(folder: Path, allowed: str) -> InputError:
+def _refusal(folder: Path, allowed: str) -> InputError:
     return InputError("--export", str(folder), allowed)
 
 
 def _write(folder: Path, scene: Scene, recorded: Replay) -> None:
     shutil.copyfile(ICONS, folder / ICONS.name)
     shutil.copyfile(STATIC / "vendor" / PLOTTER, folder / PLOTTER)
-    (folder / RUN).write_text(f"window.rodgenRun = {_run(scene, recorded)};\n", "utf-8")
+    (folder / RUN).write_text(f"window.rodgenRun = {_run_json(scene, recorded)};\n", "utf-8")
     template = Environment(
         loader=FileSystemLoader(STATIC), autoescape=True, undefined=StrictUndefined
     ).get_template("replay.html")
-    styles = [style(), ICON % ICONS.name]
-    modules = json.dumps({"imports": dict(_modules())})
+    styles = [style_sheet(), ICON % ICONS.name]
+    modules = json.dumps({"imports": dict(_module_addresses())})
     text = template.render(title=scene.name, generator=GENERATOR, styles=styles, modules=modules)
     (folder / PAGE).write_text(text, "utf-8")
 
 
-def _run(scene: Scene, recorded: Replay) -> str:
-    """The run as JavaScript has it; nothing in it ends the script that it is in."""
+def _run_json(scene: Scene, recorded: Replay) -> str:
+    """Run as JSON for the page: title, rod, plots, times, and the messages in base64."""
     messages = [recorded.first, *recorded.frames]
     ends = list(itertools.accumulate(map(len, messages), initial=0))
     data = base64.b64encode(b"".join(messages)).decode()
     run: dict[str, Any] = {
         "title": scene.name,
-        "rod": _rod(scene),
+        "rod": _rod_props(scene),
         "plots": recorded.plots,
         "times": recorded.times,
         "ends": ends,
@@ -100,14 +100,14 @@ def _run(scene: Scene, recorded: Replay) -> str:
     return json.dumps(run, allow_nan=False)
 
 
-def _rod(scene: Scene) -> dict[str, Any]:
+def _rod_props(scene: Scene) -> dict[str, Any]:
     """Props of the picture (see RodCanvas)."""
     return {
-        **drawn_of(scene),
+        **scene_props(scene),
         "show": dict(SHOWN),
         "loads": arrows_of(scene.loads.terms),
         "view": first_view(scene),
-        "support": scene.hold.support,
+        "support": scene.boundary_condition.start_symbol,
         "label": description(scene),
         "rod": 1,
         "kick": False,
@@ -119,14 +119,14 @@ def _rod(scene: Scene) -> dict[str, Any]:
     }
 
 
-def _modules() -> Iterator[tuple[str, str]]:
-    """Modules by the names that they are imported by, each as an address that has it all: a page
+def _module_addresses() -> Iterator[tuple[str, str]]:
+    """JavaScript modules by the names that they are imported by, each as a data address: a page
     from the file system cannot load modules from files."""
-    yield "vue", _address((LIBRARY / VUE).read_text("utf-8"))
+    yield "vue", _data_address((LIBRARY / VUE).read_text("utf-8"))
     for path in sorted(STATIC.glob("*.js")):
         text = BESIDE.sub('from "rodgen-live/', path.read_text("utf-8"))
-        yield f"rodgen-live/{path.name}", _address(text)
+        yield f"rodgen-live/{path.name}", _data_address(text)
 
 
-def _address(text: str) -> str:
+def _data_address(text: str) -> str:
     return "data:text/javascript;base64," + base64.b64encode(text.encode()).decode()

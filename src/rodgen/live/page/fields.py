@@ -1,4 +1,4 @@
-"""What panels are built of: headings, icons, dialogs, and fields that say why they refuse."""
+"""Building blocks of panels: headings, icons, dialogs, and fields that say why they refuse."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ def heading(text: str, level: int = 2) -> ui.label:
 
 
 class IconButton(ui.button):
-    """A round button with an icon, and its label for who does not see it."""
+    """A round button with an icon, and its label as a hint and for screen readers."""
 
     def __init__(self, icon: str, label: str, clicked: Callable[[], object] | None = None):
         super().__init__(icon=icon, on_click=clicked)
@@ -30,7 +30,7 @@ class IconButton(ui.button):
         self.rename(label, icon)
 
     def rename(self, label: str, icon: str) -> None:
-        """Give it another label and icon."""
+        """Give the button another label and icon."""
         self.props.update({"icon": icon, "aria-label": label})
         self._hint.set_text(label)
 
@@ -39,7 +39,7 @@ class IconButton(ui.button):
 def dialog(
     title: str, verb: str = "", act: Callable[[], object] | None = None
 ) -> Iterator[ui.dialog]:
-    """A dialog that opens with what is built meanwhile, above buttons to act and to cancel, or one
+    """Open a dialog with what is built in this context, above buttons to act and to cancel, or one
     to close it."""
     with ui.dialog().props(f'aria-label="{title}"') as made, ui.card().classes("rg-dialog"):
         heading(title)
@@ -52,26 +52,26 @@ def dialog(
     made.open()
 
 
-def tell(field: Field, refusal: str | None) -> None:
-    """Say beside a field, and to who does not see it, why it is refused; None: it is fine."""
+def show_refusal(field: Field, refusal: str | None) -> None:
+    """Show beside a field, and to screen readers, why it is refused; None: it is fine."""
     field.error = refusal
     field.props(**{"add" if refusal else "remove": "aria-invalid=true"})
 
 
-def refuse(fields: Mapping[str, Field], refusals: Mapping[str, str]) -> str:
-    """Say beside each field why it is refused, beside the others nothing; returns what is to be
-    said of names that have no field."""
+def show_refusals(fields: Mapping[str, Field], refusals: Mapping[str, str]) -> str:
+    """Show beside each field why it is refused, beside the others nothing; returns the refusals of
+    names that have no field."""
     for name, field in fields.items():
-        tell(field, refusals.get(name))
+        show_refusal(field, refusals.get(name))
     return "; ".join(f"{name} {text}" for name, text in refusals.items() if name not in fields)
 
 
 class Entry:
     """A text field; `put` is given its text when it is left or Enter is pressed, and may raise
-    InputError: that is said beside it, and the run keeps what it had."""
+    InputError: that is shown beside it, and the run keeps what it had."""
 
     def __init__(self, label: str, text: str, put: Put, *, unit: str = "", long: bool = False):
-        """long: in as many lines as the text takes."""
+        """Build the field; long: in as many lines as the text takes."""
         self._put, self._taken = put, text
         self._asked: str | None = None  # what is being put: Enter is followed by leaving the field
         self.field = ui.input(label, value=text).props("dense outlined no-error-icon")
@@ -88,29 +88,29 @@ class Entry:
         if text == self._asked:
             return
         if text == self._taken:
-            self.say("")
+            self.show_refusal("")
             return
         self._asked = text
         try:
             await self._put(text)
         except InputError as error:
-            self.say(f"must be {error.allowed}")
+            self.show_refusal(f"must be {error.allowed}")
         else:
             self._taken = text
-            self.say("")
+            self.show_refusal("")
         finally:
             self._asked = None
 
-    def say(self, refusal: str) -> None:
-        """Show why a text is refused; nothing: it is fine."""
-        tell(self.field, refusal or None)
+    def show_refusal(self, refusal: str) -> None:
+        """Show why a text is refused; empty: it is fine."""
+        show_refusal(self.field, refusal or None)
 
-    def shows(self, text: str) -> bool:
-        """Whether that is the value that was taken last."""
+    def is_current(self, text: str) -> bool:
+        """Whether this is the value that was taken last."""
         return text == self._taken
 
-    def compare(self, text: str, filed: str | None) -> None:
-        """Say what the scene's file has, where that is another value; None: it has none."""
+    def show_file_value(self, text: str, filed: str | None) -> None:
+        """Show the value of the scene's file, where it is another; None: that has none."""
         said = None if filed in (None, text) else f"in the file: {filed or 'none'}"
         if said == self.field.props.get("hint"):
             return
@@ -121,16 +121,16 @@ class Entry:
         self.field.update()
 
     def show(self, text: str) -> None:
-        """Another value, that came from elsewhere; what is being typed is left alone."""
+        """Show a value that came from elsewhere; what is being typed is left alone."""
         if text == self._taken:
             return
         self._taken = text
-        self.say("")
+        self.show_refusal("")
         self.field.set_value(text)
 
 
-def number(text: str, field: str) -> float:
-    """A finite number from a text. Raises InputError."""
+def parse_number(text: str, field: str) -> float:
+    """Parse a finite number. Raises InputError."""
     try:
         value = float(text)
     except ValueError:
@@ -140,14 +140,14 @@ def number(text: str, field: str) -> float:
     return value
 
 
-def whole_number(text: str, field: str) -> int:
-    """A whole number from a text. Raises InputError."""
+def parse_integer(text: str, field: str) -> int:
+    """Parse a whole number. Raises InputError."""
     try:
         return int(text)
     except ValueError:
         raise InputError(field, text, "a whole number") from None
 
 
-def plain(value: float | None) -> str:
-    """A number as it is typed."""
+def format_number(value: float | None) -> str:
+    """Format a number as it is typed; None is empty."""
     return "" if value is None else f"{value:.10g}"

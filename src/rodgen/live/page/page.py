@@ -1,4 +1,4 @@
-"""The page of a run: which run it is, the panels that it has, light or dark."""
+"""The page of a run: its panels, which run it shows, light or dark."""
 
 from __future__ import annotations
 
@@ -11,19 +11,19 @@ from typing import Any
 from nicegui import Client, app, ui
 
 from rodgen.errors import InputError
-from rodgen.live.page.bar import Bar
-from rodgen.live.page.downloads import Downloads
-from rodgen.live.page.elements import Aria, Channel, style
-from rodgen.live.page.module_process import Modules, Progress
+from rodgen.live.page.downloads import DownloadsPanel
+from rodgen.live.page.elements import Aria, Channel, style_sheet
+from rodgen.live.page.module_builder import BuildProgress, ModuleBuilder
+from rodgen.live.page.page_run import VIEW, PageRun, Panel, Sessions, notify
 from rodgen.live.page.plots import PlotsPanel
-from rodgen.live.page.rod import VIEWS, RodPanel, first_view
-from rodgen.live.page.runs import VIEW, PageRun, Panel, Sessions, notify
-from rodgen.live.page.structure import StructurePanel
+from rodgen.live.page.rod_view import VIEWS, RodPanel, first_view
+from rodgen.live.page.structure_panel import StructurePanel
 from rodgen.live.page.timeline import TimeLine
-from rodgen.live.page.values import Parameters, Values
-from rodgen.live.run.link import Link, follow
+from rodgen.live.page.toolbar import Toolbar
+from rodgen.live.page.values_panel import ParametersPanel, ValuesPanel
+from rodgen.live.run.link import Link, apply_link
 from rodgen.live.run.live_run import LiveRun
-from rodgen.live.run.scenes import Folder
+from rodgen.live.run.scene_edits import SceneFolder
 from rodgen.model.palette import DARK, LIGHT
 from rodgen.scene import Scene
 
@@ -46,10 +46,10 @@ BEFORE = "body:not(.body--light, .body--dark) { background: %s; }"
 KEPT = {"0": BEFORE % LIGHT["behind"], "1": BEFORE % DARK["behind"]}
 UNKNOWN = KEPT["0"] + "@media (prefers-color-scheme: dark) { " + KEPT["1"] + " }"
 TABS: dict[str, Callable[[PageRun], Panel]] = {
-    "Values": Values,
-    "Parameters": Parameters,
+    "Values": ValuesPanel,
+    "Parameters": ParametersPanel,
     "Scene": StructurePanel,
-    "Save": Downloads,
+    "Save": DownloadsPanel,
 }
 
 
@@ -57,9 +57,14 @@ class Page:
     """A page that is being built for one of the runs of a server."""
 
     def __init__(
-        self, sessions: Sessions, modules: Modules, folder: Folder, first: Scene, moves: bool
+        self,
+        sessions: Sessions,
+        modules: ModuleBuilder,
+        folder: SceneFolder,
+        first: Scene,
+        moves: bool,
     ):
-        """first: shown at first; moves: whether a run begins by itself."""
+        """Prepare a page; first: scene shown at first; moves: whether a run begins by itself."""
         self._sessions, self._modules = sessions, modules
         self._folder, self._first, self._moves = folder, first, moves
 
@@ -68,39 +73,41 @@ class Page:
         scene."""
         self._client = client = ui.context.client
         client.on_exception(lambda error: notify(client, f"rodgen has failed: {error!r}"))
-        ui.add_css(style())
+        ui.add_css(style_sheet())
         _set_shade()
         self._root = ui.element("div").classes("rg-page")
-        self._progress = Progress(self._modules)
+        self._progress = BuildProgress(self._modules)
         client.on_delete(self._progress.close)
         with self._sessions.arrival():
             await client.connected()
             if client.is_deleted:  # it was asked for, and never shown
                 return
-            client.on_connect(partial(_show_anew, client))  # whenever it comes back from now on
-            # Once: the connection may be gone for a moment whenever it is looked for.
+            client.on_connect(
+                partial(_resend_elements, client)
+            )  # whenever it comes back from now on
+            # Looked up once, as the connection may be gone for a moment later.
             tab = app.storage.tab
             run = self._sessions.claim(tab.get(RUN))
         ui.run_javascript(FORGET_TOKEN)
         name = str(tab.get(RUN))
-        if run is None or packed not in ("", tab.get(PACKED)) or not await _is_left(run):
-            name, run = await self._begin(packed, tab)
+        if run is None or packed not in ("", tab.get(PACKED)) or not await _has_no_page(run):
+            name, run = await self._open_run(packed, tab)
             if run is None:
                 return
         tab[RUN], tab[PACKED] = name, packed
         page = self._build(name, run, tab)
         if self._moves and not run.greeted:
-            page.soon(run.go_round)
+            page.submit(run.loop)
         run.greeted = True
 
-    async def _begin(
+    async def _open_run(
         self, packed: str, tab: MutableMapping[str, Any]
     ) -> tuple[str, LiveRun | None]:
-        """A run of the page's own, and its name; None where there is none, which is said."""
-        link, name = await self._wanted(packed) if packed else Link(self._first), ""
+        """Open a run for this page: its name, and the run, or None with an error on the page."""
+        link, name = await self._link_or_first(packed) if packed else Link(self._first), ""
         try:
-            with self._sessions.room():
-                await self._progress.make(link.scene)
+            with self._sessions.reserve():
+                await self._progress.build(link.scene)
                 name = await asyncio.to_thread(self._sessions.open, link.scene)
         except InputError as error:
             if not self._client.is_deleted:
@@ -112,30 +119,30 @@ class Page:
             run = None
         if run is not None:
             tab[VIEW] = link.view if link.view in VIEWS else first_view(link.scene)
-            await self._follow(run, link)
+            await self._apply_link(run, link)
         return name, run
 
-    async def _wanted(self, packed: str) -> Link:
-        """What the address holds, or the first scene where that cannot be used."""
+    async def _link_or_first(self, packed: str) -> Link:
+        """Link in the address, or to the first scene where that cannot be used."""
         try:
             return await asyncio.to_thread(Link.unpack, packed)
         except InputError as error:
             notify(self._client, f"The scene in the address cannot be used: {error}")
             return Link(self._first)
 
-    async def _follow(self, run: LiveRun, link: Link) -> None:
-        """Show a run that has begun as a link says; what it cannot is said."""
+    async def _apply_link(self, run: LiveRun, link: Link) -> None:
+        """Begin a run as a link says; what cannot be followed is told on the page."""
         try:
-            await asyncio.wrap_future(run.do(lambda: follow(run, link)))
+            await asyncio.wrap_future(run.submit(lambda: apply_link(run, link)))
         except InputError as error:
             notify(self._client, f"The address cannot be followed in all: {error}")
 
     def _build(self, name: str, run: LiveRun, tab: MutableMapping[str, Any]) -> PageRun:
-        page = PageRun(run, self._progress.make, self._client, self._root, tab)
+        page = PageRun(run, self._progress.build, self._client, self._root, tab)
         with self._root:
             Channel(ADDRESS + name)
             Aria()
-            bar = Bar(page, self._folder, lambda: ui.run_javascript(TURN_SHADE))
+            bar = Toolbar(page, self._folder, lambda: ui.run_javascript(TURN_SHADE))
             with ui.element("div").classes("rg-columns"):
                 with ui.element("div").classes("rg-left"):
                     rod, line, plots = RodPanel(page), TimeLine(page), PlotsPanel(page)
@@ -145,12 +152,12 @@ class Page:
         page.panels = (bar, rod, line, plots, *tabs)
         loop = asyncio.get_running_loop()
 
-        def told() -> None:
-            """Be told by the run, in its thread."""
+        def refresh_page() -> None:
+            """Refresh the page, called in the thread of the run."""
             with suppress(RuntimeError):  # the server is ending
                 loop.call_soon_threadsafe(page.refresh)
 
-        run.told = told
+        run.told = refresh_page
         page.refresh()
         return page
 
@@ -169,19 +176,19 @@ def _tabs(page: PageRun) -> list[Panel]:
     return made
 
 
-async def _is_left(run: LiveRun) -> bool:
+async def _has_no_page(run: LiveRun) -> bool:
     """Whether a run's page has gone: on a reload, it may do so a moment late; a tab that was
     duplicated has the name of a run that is another's."""
     for _ in range(50):
-        if not run.page.watched:
+        if not run.page.has_page:
             return True
         await asyncio.sleep(0.1)
     return False
 
 
-async def _show_anew(client: Client) -> None:
-    """Send a page that was cut off for a moment all its elements as they are: what it missed comes
-    to it behind what is newer, and would stay."""
+async def _resend_elements(client: Client) -> None:
+    """Send all elements again to a page that was cut off for a moment: what it missed comes to it
+    after what is newer, and would stay."""
     while client.outbox.messages:  # what it missed
         await asyncio.sleep(0.05)
     for element in list(client.elements.values()):

@@ -9,13 +9,13 @@ from typing import Any
 from nicegui import ui
 
 from rodgen.errors import InputError
-from rodgen.live.catalogue import KINDS, Catalogue
 from rodgen.live.page.elements import Plots
-from rodgen.live.page.fields import Field, dialog, number, refuse
-from rodgen.live.page.names import Names
-from rodgen.live.page.runs import PageRun
-from rodgen.live.run.curves import DIRECTIONS
+from rodgen.live.page.fields import Field, dialog, parse_number, show_refusals
+from rodgen.live.page.page_run import PageRun
+from rodgen.live.page.quantity_field import QuantityField
+from rodgen.live.plot_quantities import KINDS, Catalogue
 from rodgen.live.run.plot_spec import AXES, PLOT_KINDS
+from rodgen.live.run.sample_curves import DIRECTIONS
 
 OWN = "A quantity may be an expression: type it, such as phi_1 - phi_0 or d/dt(tip_x), and Enter."
 TITLE = {"title": "title (made from what is shown if empty)"}
@@ -44,19 +44,21 @@ TYPED = {"window": "10", "value": "0", "every": "", "title": ""}  # and what sta
 
 
 class PlotsPanel:
-    """What is plotted: the plots of the run, in its order."""
+    """Panel of the plots of the run, in its order."""
 
     def __init__(self, page: PageRun):
         self.page = page
         with ui.element("section").classes("rg-plots").props('aria-label="Plots"'):
-            ui.button("Add plot", icon="add_chart", on_click=self._ask).props("flat dense no-caps")
+            ui.button("Add plot", icon="add_chart", on_click=self._open_dialog).props(
+                "flat dense no-caps"
+            )
             self.grid = Plots()
-        self.grid.on_removed(self._removed)
-        self.grid.on_moved(self._moved)
-        self.grid.on_wrapped(self._wrapped)
+        self.grid.on_remove(self._remove)
+        self.grid.on_move(self._arrange)
+        self.grid.on_wrap(self._wrap)
         if not page.run.plots and not page.run.greeted:
             for choice in first_plots(self.catalogue):
-                page.soon(partial(page.run.add_plot, choice))
+                page.submit(partial(page.run.add_plot, choice))
 
     @property
     def catalogue(self) -> Catalogue:
@@ -67,48 +69,48 @@ class PlotsPanel:
         """Show the plots that the run has now, and say what another rod does not have."""
         lost, self.page.run.unplotted = self.page.run.unplotted, ()
         if lost:
-            self.page.say(f"No longer plotted, as this scene has none: {', '.join(lost)}")
+            self.page.notify(f"No longer plotted, as this scene has none: {', '.join(lost)}")
         specs = [plot.to_json() for plot in list(self.page.run.plots.values())]
         if specs != self.grid.specs:
-            self.grid.put(specs)
+            self.grid.set_specs(specs)
 
     async def add(self, choice: dict[str, Any]) -> None:
         """Add a plot. Raises InputError."""
-        await self.page.do(lambda: self.page.run.add_plot(choice))
+        await self.page.call(lambda: self.page.run.add_plot(choice))
 
-    def _removed(self, name: str) -> None:
-        self.page.soon(lambda: self.page.run.remove_plot(name))
+    def _remove(self, name: str) -> None:
+        self.page.submit(lambda: self.page.run.remove_plot(name))
 
-    def _wrapped(self, name: str, wrapped: bool) -> None:
-        self.page.soon(lambda: self.page.run.wrap_plot(name, wrapped))
+    def _wrap(self, name: str, wrapped: bool) -> None:
+        self.page.submit(lambda: self.page.run.wrap_plot(name, wrapped))
 
-    def _moved(self, ids: list[str]) -> None:
-        self.page.soon(lambda: self.page.run.arrange_plots(ids))
+    def _arrange(self, ids: list[str]) -> None:
+        self.page.submit(lambda: self.page.run.arrange_plots(ids))
 
-    def _ask(self) -> None:
+    def _open_dialog(self) -> None:
         with self.page.root:
             PlotDialog(self.catalogue, self.add)
 
 
 class PlotDialog:
-    """Asks what is to be plotted and has `add` do it; a refusal is said beside its field."""
+    """Dialog that asks what to plot and has `add` do it; a refusal is shown beside its field."""
 
     def __init__(self, catalogue: Catalogue, add: Callable[[dict[str, Any]], Awaitable[None]]):
         self.catalogue, self._put = catalogue, add
         self.fields: dict[str, Field] = {}
-        self.names: dict[str, Names] = {}
+        self.names: dict[str, QuantityField] = {}
         with dialog("Add a plot", "Add", self._add) as self.dialog:
             self.kind = ui.select(
-                PLOT_KINDS, value="time", label="kind of plot", on_change=self._switch
+                PLOT_KINDS, value="time", label="kind of plot", on_change=self._show_fields
             )
             self.kind.props("dense outlined").classes("rg-wide")
             self.box = ui.element("div").classes("rg-knobs")
             ui.label(OWN).classes("rg-hint")
             self.refused = ui.label().classes("rg-failed").props('role="alert"')
-        self._switch()
+        self._show_fields()
 
-    def _switch(self) -> None:
-        """Show the fields of this kind of plot alone."""
+    def _show_fields(self) -> None:
+        """Show only the fields of this kind of plot."""
         before = {field.label: field.value for field in self.fields.values()}
         self.box.clear()
         self.names = {}
@@ -131,18 +133,20 @@ class PlotDialog:
             along = {kind: KINDS[kind].title for kind in self.catalogue.along}
             field = ui.select(along, label=label, with_input=True)
         else:
-            changed = self._units if name == "when" else None
-            self.names[name] = Names(self.catalogue, label, several=name == "y", changed=changed)
+            changed = self._show_units if name == "when" else None
+            self.names[name] = QuantityField(
+                self.catalogue, label, several=name == "y", changed=changed
+            )
             return self.names[name].field
         return field.props("dense outlined options-dense hide-bottom-space").classes("rg-wide")
 
-    def _units(self) -> None:
-        """Give the value that is reached the unit of what reaches it."""
+    def _show_units(self) -> None:
+        """Show beside the value that is reached the unit of the quantity that reaches it."""
         for name in ("value", "every"):
             self.fields[name].props["suffix"] = self.names["when"].unit
 
     def _choice(self) -> dict[str, Any]:
-        """What was chosen, for PlotSpec. Raises InputError for what is no number."""
+        """Choices for PlotSpec. Raises InputError for what is no number."""
         choice = {"kind": self.kind.value}
         for name, field in self.fields.items():
             value = field.value
@@ -150,7 +154,7 @@ class PlotDialog:
                 value = str(value or "").strip()
                 if not value and not TYPED[name]:
                     continue
-                value = value if name == "title" else number(value, name)
+                value = value if name == "title" else parse_number(value, name)
             choice[name] = value
         for name, of in self.names.items():
             chosen = of.names()
@@ -173,8 +177,8 @@ class PlotDialog:
             self.dialog.close()
 
     def _refuse(self, texts: dict[str, str]) -> None:
-        """Say what is refused beside its field, and below them what has none."""
-        self.refused.set_text(refuse(self.fields, texts))
+        """Show refusals beside their fields, and below them those without a field."""
+        self.refused.set_text(show_refusals(self.fields, texts))
 
 
 def first_plots(catalogue: Catalogue) -> Iterator[dict[str, Any]]:

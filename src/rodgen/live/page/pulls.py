@@ -13,9 +13,9 @@ from nicegui.events import ValueChangeEventArguments
 from rodgen.errors import InputError
 from rodgen.integrate.pull import Pull
 from rodgen.live.page.elements import RodCanvas
-from rodgen.live.page.fields import Entry, number, plain
+from rodgen.live.page.fields import Entry, format_number, parse_number
+from rodgen.live.page.page_run import PageRun
 from rodgen.live.page.point_dialog import PointDialog
-from rodgen.live.page.runs import PageRun
 from rodgen.scene import Scene
 
 SWING = 2.0  # seconds in which the rod would swing on the spring, were it rigid
@@ -23,28 +23,28 @@ DAMPED = 0.2  # of what would not let it swing
 DIGITS = 3
 
 
-class Pulls:
-    """Tools to pull with; `only` is called when links are pulled by dragging from now on."""
+class PullControls:
+    """Controls of pulls; only: called when dragging from a link is switched to pulling."""
 
     def __init__(self, page: PageRun, only: Callable[[], object]):
         self.page, self._only = page, only
         self._held, self._to = False, (0.0, 0.0)  # by the pointer
-        self.switch = ui.switch("pull by dragging", on_change=self._pulling).props("dense")
+        self.switch = ui.switch("pull by dragging", on_change=self._switch_pulling).props("dense")
         with self.switch:
             ui.tooltip("Drag from a link to pull it by a spring, or click it to type where to")
         self._stiffness = Entry("spring [N/m]", "", self._set_stiffness)
         self._damping = Entry("damper [N s/m]", "", self._set_damping)
-        self.stays = ui.switch("stay where let go", on_change=self._staying).props("dense")
+        self.stays = ui.switch("stay where let go", on_change=self._switch_staying).props("dense")
         with self.stays:
             ui.tooltip("As Shift does: the spring's far end stays until Let go, or Esc")
         self._free = ui.button("Let go", on_click=self._release).props("flat dense no-caps")
         ui.button("Pull…", on_click=self._ask_tail).props("flat dense no-caps")
         for entry in (self._stiffness, self._damping):
             entry.field.classes("rg-spring")
-        self._shows(False)
+        self._show_spring(False)
 
     def connect(self, canvas: RodCanvas) -> None:
-        """Take up what the pointer does over the picture."""
+        """Listen to what the pointer does over the picture."""
         self.canvas = canvas
         canvas.on_pull(self._grasp, self._move, lambda _: self._release())
         canvas.on_pulling(lambda _: self.switch.set_value(not self.switch.value))
@@ -55,16 +55,16 @@ class Pulls:
         self._free.set_enabled(pulled)
         self._free.set_visibility(pulled or bool(self.switch.value))
 
-    def another(self, scene: Scene) -> None:
-        """Pull another scene by a spring of a size that suits it."""
-        self.stiffness, self.damping = usual(scene)
-        self._stiffness.show(plain(self.stiffness))
-        self._damping.show(plain(self.damping))
+    def set_scene(self, scene: Scene) -> None:
+        """Set the spring to a size that suits another scene."""
+        self.stiffness, self.damping = usual_spring(scene)
+        self._stiffness.show(format_number(self.stiffness))
+        self._damping.show(format_number(self.damping))
         if self.switch.value:
-            self.page.begin(self.page.allow_pulls())
+            self.page.start_task(self.page.allow_pulls())
 
-    def ask(self, link: int, share: float) -> None:
-        """Ask for a pull in numbers."""
+    def ask_pull(self, link: int, share: float) -> None:
+        """Open a dialog for a pull in numbers."""
         run, links = self.page.run, self.page.scene.rod.links
         x, y = run.model.joints(run.shown.y[-1], run.shown.p)[link + (share >= 0.5)]
         size = self.page.scene.rod.length / 10
@@ -73,23 +73,23 @@ class Pulls:
             PointDialog("Pull", links, (link, share), components, self._pull)
 
     def _ask_tail(self) -> None:
-        self.ask(self.page.scene.rod.links - 1, 1.0)
+        self.ask_pull(self.page.scene.rod.links - 1, 1.0)
 
-    def _pulling(self, event: ValueChangeEventArguments[Any]) -> None:
+    def _switch_pulling(self, event: ValueChangeEventArguments[Any]) -> None:
         on = bool(event.value)
-        self.canvas.set(pull=on)
-        self._shows(on)
+        self.canvas.set_props(pull=on)
+        self._show_spring(on)
         if on:
             self._only()
-            self.page.begin(self.page.allow_pulls())
+            self.page.start_task(self.page.allow_pulls())
 
-    def _shows(self, on: bool) -> None:
+    def _show_spring(self, on: bool) -> None:
         for tool in (self._stiffness.field, self._damping.field, self.stays):
             tool.set_visibility(on)
         self.refresh()
 
-    def _staying(self, event: ValueChangeEventArguments[Any]) -> None:
-        self.canvas.set(hold=bool(event.value))
+    def _switch_staying(self, event: ValueChangeEventArguments[Any]) -> None:
+        self.canvas.set_props(hold=bool(event.value))
 
     # What the pointer does ----------------------------------------------------------------------
 
@@ -102,56 +102,62 @@ class Pulls:
             if self._held:  # it may have let go while the module was made
                 await self._pull(link, share, self._to)
 
-        self.page.begin(begin())
+        self.page.start_task(begin())
 
     def _move(self, event: dict[str, Any]) -> None:
         self._to = to = float(event["x"]), float(event["y"])
-        self.page.soon(lambda: self.page.run.move_pull(to))
+        self.page.submit(lambda: self.page.run.move_pull(to))
 
     def _release(self) -> None:
         self._held = False
-        self.page.soon(self.page.run.let_go)
+        self.page.submit(self.page.run.release_pull)
 
     async def _pull(self, link: int, share: float, to: tuple[float, float]) -> None:
         await self.page.allow_pulls()
         pull = Pull(link, share, to, self.stiffness, self.damping)
-        await self.page.do(lambda: self.page.run.pull(pull))
+        await self.page.call(lambda: self.page.run.pull(pull))
 
     # The spring ---------------------------------------------------------------------------------
 
     async def _set_stiffness(self, text: str) -> None:
-        self.stiffness = _not_negative("stiffness", text)
-        await self._changed()
+        self.stiffness = _parse_not_negative("stiffness", text)
+        await self._apply_spring()
 
     async def _set_damping(self, text: str) -> None:
-        self.damping = _not_negative("damping", text)
-        await self._changed()
+        self.damping = _parse_not_negative("damping", text)
+        await self._apply_spring()
 
-    async def _changed(self) -> None:
-        """Have the pull that there is take up the spring."""
+    async def _apply_spring(self) -> None:
+        """Apply the spring to the present pull, if there is one."""
 
         def work() -> None:
             now, spring = self.page.run.live.pulling, (self.stiffness, self.damping)
             if now is not None:
                 self.page.run.pull(replace(now, stiffness=spring[0], damping=spring[1]))
 
-        await self.page.do(work)
+        await self.page.call(work)
 
 
-def _not_negative(name: str, text: str) -> float:
-    """A number of a spring, from a text. Raises InputError."""
-    value = number(text, f"pull.{name}")
+def _parse_not_negative(name: str, text: str) -> float:
+    """Parse a number of the spring that is not negative. Raises InputError."""
+    value = parse_number(text, f"pull.{name}")
     if value < 0:
         raise InputError(f"pull.{name}", text, "not negative")
     return value
 
 
-def usual(scene: Scene) -> tuple[float, float]:
+def usual_spring(scene: Scene) -> tuple[float, float]:
     """Stiffness [N/m] and damping [N s/m] of a spring that moves a rod visibly and does not throw
-    it: it swings in about two seconds on it; where it is clamped, the spring is at least as stiff
-    as the rod. What flies is not braked."""
+    it: the rod swings in about two seconds on it; where it is clamped, the spring is at least as
+    stiff as the rod. A rod that flies is not damped."""
     rate, rod = 2 * math.pi / SWING, scene.rod
-    bending = scene.distribution.usual_stiffness / rod.length**3
-    stiffness = max(scene.mass * rate**2, 3 * bending if scene.hold.clamped else 0.0)
-    damping = 0.0 if scene.hold.translates else DAMPED * 2 * math.sqrt(stiffness * scene.mass)
+    bending = scene.distribution.mean_stiffness / rod.length**3
+    stiffness = max(
+        scene.mass * rate**2, 3 * bending if scene.boundary_condition.is_clamped else 0.0
+    )
+    damping = (
+        0.0
+        if scene.boundary_condition.translates
+        else DAMPED * 2 * math.sqrt(stiffness * scene.mass)
+    )
     return float(f"{stiffness:.2g}"), float(f"{damping:.2g}")

@@ -1,4 +1,4 @@
-"""A file of a scene that is chosen in the browser."""
+"""Upload of a scene's file that is chosen in the browser."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from nicegui.element import Element
 from nicegui.events import GenericEventArguments
 
 from rodgen.live.page.elements import STATIC
-from rodgen.live.run.scenes import LARGEST
+from rodgen.live.run.scene_edits import LARGEST
 
 ENDING = ".toml"
 
@@ -27,13 +27,13 @@ class SceneFile(Element, component=STATIC / "scene_file.js"):
         super().__init__()
         self._chosen, self._pieces = chosen, list[str]()
         self._props |= {"ending": ENDING, "most": LARGEST}
-        self.on("piece", self._piece)
+        self.on("piece", self._add_piece)
         self.on("refused", refused)
         pick = f'() => runMethod({self.id}, "pick", [])'
         button = ui.button("A scene in TOML…", icon="upload_file").on("click", js_handler=pick)
         button.props("flat no-caps")
 
-    async def _piece(self, event: GenericEventArguments) -> None:
+    async def _add_piece(self, event: GenericEventArguments) -> None:
         self._pieces.append(str(event.args["text"]))
         if sum(map(len, self._pieces)) > LARGEST:  # no browser of ours sends that
             self._pieces.clear()

@@ -22,18 +22,18 @@ from fastapi.middleware.gzip import GZipMiddleware
 from nicegui import app, background_tasks, ui
 
 from rodgen.errors import InputError
-from rodgen.live.page.answers import take_up
-from rodgen.live.page.bar import SKETCH
+from rodgen.live.page.access import OWN, TOKEN, AccessGuard
+from rodgen.live.page.answers import act_on_answer
 from rodgen.live.page.elements import STATIC
-from rodgen.live.page.guard import OWN, TOKEN, Guard
-from rodgen.live.page.lean import replacements
-from rodgen.live.page.misunderstood import Misunderstood
-from rodgen.live.page.module_process import Modules
+from rodgen.live.page.module_builder import ModuleBuilder
+from rodgen.live.page.nicegui_assets import replacements
 from rodgen.live.page.page import ADDRESS, Page
-from rodgen.live.page.runs import Sessions
+from rodgen.live.page.page_run import Sessions
 from rodgen.live.page.sketch import sketch
+from rodgen.live.page.toolbar import SKETCH
+from rodgen.live.page.unreadable_messages import UnreadableFilter
 from rodgen.live.run.live_run import LiveRun
-from rodgen.live.run.scenes import Folder
+from rodgen.live.run.scene_edits import SceneFolder
 from rodgen.scene import Scene
 
 LOOPBACK = "127.0.0.1"
@@ -49,11 +49,11 @@ GONE = 4404  # code of a WebSocket: there is no such run
 
 
 @dataclass(frozen=True)
-class Settings:
-    """scene: shown first; folder: scenes to choose from; host, port: where the server listens,
-    port 0: at any that is free; opens: whether a browser is started; moves: whether a page begins
-    with a run that moves, over the span of its scene and over again; said: told the address, that
-    for other machines where they are let in."""
+class ServerSettings:
+    """Settings of the server. scene: shown first; folder: scenes to choose from; host, port: where
+    the server listens, port 0: at any that is free; opens: whether a browser is started; moves:
+    whether a page begins with a run that moves, over the span of its scene and over again; said:
+    told the address, that for other machines where they are let in."""
 
     scene: Scene
     folder: Path
@@ -64,31 +64,31 @@ class Settings:
     said: Callable[[str], None] = print
 
 
-def serve(settings: Settings) -> None:
+def serve(settings: ServerSettings) -> None:
     """Serve until Ctrl-C. Raises InputError for a port that is taken or a host that is not here."""
     with _listen(settings.host, settings.port) as listening:
         token = None if settings.host in OWN else secrets.token_urlsafe(16)
         port = listening.getsockname()[1]
-        modules = Modules()
-        site = _site(settings, modules, *_addresses(settings.host, port, token))
+        modules = ModuleBuilder()
+        site = _build_site(settings, modules, *_addresses(settings.host, port, token))
         config = uvicorn.Config(
-            Guard(site, token, port),
+            AccessGuard(site, token, port),
             log_level="warning",
             ws_per_message_deflate=False,
             timeout_graceful_shutdown=2,
         )
-        misunderstood = Misunderstood()
+        misunderstood = UnreadableFilter()
         misunderstood.attach()
         with suppress(KeyboardInterrupt):  # Ctrl-C: it has ended by then
-            Serving(config, modules).run(sockets=[listening])
+            LiveServer(config, modules).run(sockets=[listening])
         if misunderstood.count:
             print(f"rodgen: {misunderstood.count} messages could not be read", file=sys.stderr)
 
 
-class Serving(uvicorn.Server):
-    """A server that begins no module once it was told to end."""
+class LiveServer(uvicorn.Server):
+    """Server that begins no module once it was told to end."""
 
-    def __init__(self, config: uvicorn.Config, modules: Modules):
+    def __init__(self, config: uvicorn.Config, modules: ModuleBuilder):
         super().__init__(config)
         self._modules = modules
 
@@ -97,13 +97,15 @@ class Serving(uvicorn.Server):
         super().handle_exit(sig, frame)
 
 
-def _site(settings: Settings, modules: Modules, told: str, opened: str) -> FastAPI:
-    """The site, page and channel; an address is told, and one opened, once they are there."""
-    site, sessions, folder = FastAPI(openapi_url=None), Sessions(), Folder(settings.folder)
+def _build_site(
+    settings: ServerSettings, modules: ModuleBuilder, told: str, opened: str
+) -> FastAPI:
+    """Build the site; told, opened: addresses that are told, and opened, once it is there."""
+    site, sessions, folder = FastAPI(openapi_url=None), Sessions(), SceneFolder(settings.folder)
 
     @site.websocket(ADDRESS + "{name}")
     async def _(ws: WebSocket, name: str) -> None:
-        await channel(ws, name, sessions)
+        await serve_channel(ws, name, sessions)
 
     @ui.page("/", title="rodgen", response_timeout=20)
     async def _(scene: str = "") -> None:
@@ -121,7 +123,7 @@ def _site(settings: Settings, modules: Modules, told: str, opened: str) -> FastA
 
     async def begin() -> None:
         settings.said(told)
-        background_tasks.create(_sweep(sessions))
+        background_tasks.create(_close_idle(sessions))
         if settings.opens:
             await asyncio.to_thread(webbrowser.open, opened)
 
@@ -144,7 +146,7 @@ def _site(settings: Settings, modules: Modules, told: str, opened: str) -> FastA
 
 
 def _replace(site: FastAPI, place: str, content: bytes) -> None:
-    """Serve something in place of a file of NiceGUI."""
+    """Serve other content in place of a file of NiceGUI."""
     kind, _ = mimetypes.guess_type(place)
 
     @site.get(f"/_nicegui/{nicegui.__version__}/static/{place}")
@@ -153,17 +155,17 @@ def _replace(site: FastAPI, place: str, content: bytes) -> None:
         return Response(content, headers={"Cache-Control": "no-cache"}, media_type=kind)
 
 
-async def _sweep(sessions: Sessions) -> None:
+async def _close_idle(sessions: Sessions) -> None:
     while True:
         await asyncio.sleep(SWEEP)
-        sessions.sweep()
+        sessions.close_idle()
 
 
 def _addresses(host: str, port: int, token: str | None) -> tuple[str, str]:
-    """What to type into a browser, elsewhere where that is possible, and on this machine."""
+    """Addresses for a browser, elsewhere where that is possible, and on this machine."""
     everywhere = host in EVERYWHERE
     here = "localhost" if everywhere or host in OWN else host
-    elsewhere = _name() if everywhere else here
+    elsewhere = _network_name() if everywhere else here
 
     def address(name: str) -> str:
         place = f"[{name}]" if ":" in name else name
@@ -172,9 +174,9 @@ def _addresses(host: str, port: int, token: str | None) -> tuple[str, str]:
     return address(elsewhere), address(here)
 
 
-def _name() -> str:
-    """This machine as others in its network call it: by the address from which it would send
-    (nothing is sent), else by its name."""
+def _network_name() -> str:
+    """Name of this machine for others in its network: the address from which it would send (nothing
+    is sent), else its host name."""
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as outward:
         try:
             outward.connect(ELSEWHERE)
@@ -184,7 +186,7 @@ def _name() -> str:
 
 
 def _listen(host: str, port: int) -> socket.socket:
-    """A socket that holds the address from now on."""
+    """Open a socket that holds the address from now on."""
     family = socket.AF_INET6 if ":" in host else socket.AF_INET
     found = socket.socket(family, socket.SOCK_STREAM)
     found.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
@@ -199,7 +201,7 @@ def _listen(host: str, port: int) -> socket.socket:
     return found
 
 
-async def channel(socket: WebSocket, name: str, sessions: Sessions) -> None:
+async def serve_channel(socket: WebSocket, name: str, sessions: Sessions) -> None:
     """Send frames to the page and take its answers, until it goes away."""
     await socket.accept()
     run = sessions.get(name)
@@ -232,6 +234,6 @@ async def _take_answers(socket: WebSocket, run: LiveRun) -> None:
     # A RuntimeError: sending has found out first that the page is gone.
     with suppress(WebSocketDisconnect, RuntimeError):
         while True:
-            if not take_up(run, await socket.receive_text()):
+            if not act_on_answer(run, await socket.receive_text()):
                 await socket.close(1008, "not an answer")
                 return

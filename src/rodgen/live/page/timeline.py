@@ -1,4 +1,4 @@
-"""The time line under the rod: where on it the page looks is between the page and the run."""
+"""The time line under the rod; the channel carries where on it the page looks."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ import math
 from nicegui.element import Element
 
 from rodgen.live.page.elements import STATIC
-from rodgen.live.page.runs import PageRun
+from rodgen.live.page.page_run import PageRun
 
 
 class TimeLine(Element, component=STATIC / "timeline.js"):
@@ -15,7 +15,7 @@ class TimeLine(Element, component=STATIC / "timeline.js"):
     sample to either side, and a loop from A to B.
 
     Props: speed [simulated seconds per second] at which it plays.
-    Keys, on the slider: see page/keys.py.
+    Keys, on the slider: see page/shortcuts.py.
     """
 
     def __init__(self, page: PageRun):
@@ -23,7 +23,7 @@ class TimeLine(Element, component=STATIC / "timeline.js"):
         self._page, self._speed = page, math.nan
 
     def refresh(self) -> None:
-        """Play at the speed that is chosen for the run; at that of the clock, if that has none."""
+        """Play at the speed of the run, or in real time where that runs as fast as it goes."""
         speed = self._page.run.pace.speed
         speed = speed if math.isfinite(speed) else 1.0
         if speed != self._speed:

@@ -1,1 +1,1 @@
-"""A live run: its thread, its samples on their way to the page, and what is changed meanwhile."""
+"""A live run: its thread, its samples on their way to the page, and changes while it goes on."""

@@ -1,4 +1,4 @@
-"""What an address holds: a scene, and how and in which state it is looked at."""
+"""Links to a run: a scene, its plots, a view and a state, packed into an address."""
 
 from __future__ import annotations
 
@@ -13,11 +13,11 @@ import numpy as np
 import tomli_w
 
 from rodgen.errors import InputError
-from rodgen.integrate.samples import Samples
-from rodgen.live.run.scenes import LARGEST
+from rodgen.integrate.recorder import Samples
+from rodgen.live.run.scene_edits import LARGEST
 from rodgen.model.terms import EMPTYING
 from rodgen.scene import Scene
-from rodgen.scene.plain import is_number, read_text
+from rodgen.scene.plain_tables import is_number, parse_toml
 
 if TYPE_CHECKING:
     from rodgen.live.run.live_run import LiveRun
@@ -27,9 +27,9 @@ MOST_STATES = 2000  # an address of more would be refused on its way
 
 
 @dataclass(frozen=True)
-class State:
-    """A sample of a run: t [s], y, work of each load without potential since the start [J], given
-    and start: energy that changes have put in, and total energy at the start [J]."""
+class RunSample:
+    """State of a run in a link: t [s], y, work of each load without potential since the start [J],
+    given and start: energy that changes have put in, and total energy at the start [J]."""
 
     t: float
     y: tuple[float, ...]
@@ -38,34 +38,34 @@ class State:
     start: float
 
     @classmethod
-    def from_dict(cls, table: Any) -> State:
-        """Check what an address has. Raises InputError."""
+    def from_dict(cls, table: Any) -> RunSample:
+        """Make a state from the table in an address. Raises InputError."""
         try:
             single = [table[name] for name in ("t", "given", "start")]
             several = [tuple(table[name]) for name in ("y", "work")]
         except (TypeError, KeyError):
-            raise _refused("page.state", table) from None
+            raise _refusal("page.state", table) from None
         for value in (*single, *several[0], *several[1]):
             if not (is_number(value) and math.isfinite(value)):
-                raise _refused("page.state", value)
+                raise _refusal("page.state", value)
         t, given, start = map(float, single)
         return cls(t, several[0], several[1], given, start)
 
     def to_dict(self) -> dict[str, Any]:
-        """The state again, for `from_dict`."""
+        """Convert the state to a table for `from_dict`."""
         y, work = list(self.y), list(self.work)
         return {"t": self.t, "y": y, "work": work, "given": self.given, "start": self.start}
 
 
 @dataclass(frozen=True)
 class Link:
-    """A scene; plots, as PlotSpec.from_dict takes them; view of the rod; the state to begin in, or
-    None for its own; file: the scene that it was made of by changes, or None where it is that."""
+    """Content of an address: a scene; plots, as PlotSpec.from_dict takes them; view of the rod;
+    state to begin in, or None for the scene's own; file: scene before any change, None if equal."""
 
     scene: Scene
     plots: tuple[dict[str, Any], ...] = ()
     view: str = ""
-    state: State | None = None
+    state: RunSample | None = None
     file: Scene | None = None
 
     def pack(self) -> str:
@@ -84,37 +84,37 @@ class Link:
 
     @classmethod
     def unpack(cls, text: str) -> Link:
-        """A link from `pack`. Raises InputError for anything else."""
+        """Read a link from a text that `pack` made. Raises InputError for anything else."""
         try:
             data = base64.urlsafe_b64decode(text + "=" * (-len(text) % 4))
             content = zlib.decompressobj().decompress(data, LARGEST + 1)
         except (binascii.Error, zlib.error, ValueError):
-            raise _refused("scene", text[:40]) from None
+            raise _refusal("scene", text[:40]) from None
         if len(content) > LARGEST:
             raise InputError("scene", f"{len(content)} bytes", f"at most {LARGEST} bytes")
-        table = read_text(content, "this address")
+        table = parse_toml(content, "this address")
         page = table.pop(PAGE, {})
         scene = Scene.from_dict(table)
         if not isinstance(page, dict):
-            raise _refused(PAGE, page)
+            raise _refusal(PAGE, page)
         plots, view, state = page.get("plots", []), page.get("view", ""), page.get("state")
         file = Scene.from_dict(page["file"]) if "file" in page else None
         if not (isinstance(plots, list) and all(isinstance(one, dict) for one in plots)):
-            raise _refused("page.plots", plots)
+            raise _refusal("page.plots", plots)
         if not isinstance(view, str):
-            raise _refused("page.view", view)
-        begun = None if state is None else State.from_dict(state)
+            raise _refusal("page.view", view)
+        begun = None if state is None else RunSample.from_dict(state)
         return cls(scene, tuple(plots), view, begun, file)
 
 
-def _refused(field: str, value: Any) -> InputError:
+def _refusal(field: str, value: Any) -> InputError:
     return InputError(field, value, "as the link button gives it")
 
 
-def link_to(run: LiveRun, view: str) -> Link:
-    """The scene of a run and that of its file, its plots, a view, and the state that its page looks
-    at. In the thread of the run."""
-    sample, placed = run.seen, run.live.placed
+def make_link(run: LiveRun, view: str) -> Link:
+    """Make a link to a run: its scene and that of its file, its plots, a view, and the state that
+    its page looks at. To be called in the thread of the run."""
+    sample, placed = run.page_sample, run.live.system_with_support
     now = replace(sample, p=placed.p)  # without a pull
     before, after = (
         float(run.catalogue.columns(["total_energy"], chunk)[-1, 0]) for chunk in (sample, now)
@@ -122,7 +122,7 @@ def link_to(run: LiveRun, view: str) -> Link:
     own = np.isin(run.live.works, [*run.live.system.structure.loads, EMPTYING])
     work = sample.work[-1]
     plots = [plot.spec.to_dict() for plot in run.plots.values()]
-    state = State(
+    state = RunSample(
         t=float(sample.t[-1]),
         y=tuple(sample.y[-1].tolist()),
         work=tuple(work[own].tolist()),
@@ -134,9 +134,9 @@ def link_to(run: LiveRun, view: str) -> Link:
     return Link(scene, tuple(choices), view, state, None if file == scene else file)
 
 
-def follow(run: LiveRun, link: Link) -> None:
-    """Have a run of the scene of a link begin as that says. In the thread of the run. Raises
-    InputError for what cannot be had."""
+def apply_link(run: LiveRun, link: Link) -> None:
+    """Begin a run of a link's scene in the link's state, with its plots. To be called in the thread
+    of the run. Raises InputError for what cannot be had."""
     run.undo.file = link.file or link.scene
     if link.state is not None:
         state, live = link.state, run.live

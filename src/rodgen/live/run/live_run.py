@@ -1,4 +1,4 @@
-"""A live run in a thread of its own: it steps, keeps what came out, and tells one page of it."""
+"""A live run in a thread of its own: it integrates, keeps samples, and sends them to one page."""
 
 from __future__ import annotations
 
@@ -10,44 +10,44 @@ from collections.abc import Callable
 import numpy as np
 
 from rodgen.errors import InputError
-from rodgen.integrate.endings import FAILED, FINISHED
 from rodgen.integrate.live import Live, LiveError, Samples
+from rodgen.integrate.run_status import FAILED, FINISHED
 from rodgen.integrate.stepper import Stats
-from rodgen.live.catalogue import Catalogue
-from rodgen.live.run.critical import Critical
-from rodgen.live.run.marks import Marks
+from rodgen.live.panel_rows import RunStatus
+from rodgen.live.plot_quantities import Catalogue
+from rodgen.live.run.change_marks import ChangeMarks
+from rodgen.live.run.critical_search import CriticalSearch
 from rodgen.live.run.page_state import PageState
 from rodgen.live.run.plot import Plot
-from rodgen.live.run.pulling import Pulling
+from rodgen.live.run.pulling import PullMixin
+from rodgen.live.run.run_thread import FRAME, Pace, RunThread
 from rodgen.live.run.undo import Undo
-from rodgen.live.run.worker import FRAME, Pace, Worker
-from rodgen.live.samples import Chunk, Recorded, Store
-from rodgen.live.texts import Present
+from rodgen.live.sample_store import Chunk, RecordedSolution, SampleStore
 from rodgen.loading import build_fastest
-from rodgen.loading.module import asked
+from rodgen.loading.generated_module import call_module
 from rodgen.scene import Scene
-from rodgen.scene.integration import Integrate
+from rodgen.scene.integration import IntegrationTable
 from rodgen.system import System
 
 RUNNING, PAUSED, STOPPED = "running", "paused", "stopped"
 SLICE = 0.012  # seconds of a frame, for steps
 BEYOND = 1e6  # times the initial state, or 1
-MADE = 0.1  # of all energies, from which on what a balance lacks was made by the method
+MADE = 0.1  # of all energies: a larger imbalance was made by the method
 
 
-class LiveRun(Worker, Pulling):
+class LiveRun(RunThread, PullMixin):
     """A run, its samples, its marks, its plots, and the page that looks at it.
 
-    Everything but `do`, `page` and `close` is for the run's own thread: others hand it work by
-    `do`. shown: the present; past: the sample that the page looks back at, if it does. strict:
-    whether tolerances are kept to where real time is missed. begun: how often it has begun at a
-    start; taken: how many scenes it has taken up so far; files: the scenes that came from files, by
-    their names, the last one last, which a page notes. told: called in that thread when the status,
-    the scene or the plots have changed.
+    Everything but `submit`, `page` and `close` is for the run's own thread: others hand it work by
+    `submit`. shown: the present sample; past: the earlier one that the page looks back at, or None.
+    strict: whether tolerances are kept even where real time is missed. begun: how many times it has
+    begun at a start; taken: how many systems it has run so far; files: the scenes that came from
+    files, by their names, the last one last, which a page notes. told: called in that thread when
+    the status, the scene or the plots have changed.
     """
 
     def __init__(self, system: System | Scene, told: Callable[[], None] = lambda: None):
-        """The module of the system should be in the cache already: it is loaded here."""
+        """Load the module of the system, which should be in the cache, and start the thread."""
         super().__init__()
         self.told, self.page = told, PageState()
         self.status, self.message = PAUSED, ""
@@ -60,8 +60,8 @@ class LiveRun(Worker, Pulling):
         system = System.of(system)
         self.undo = Undo(system.scene)
         self.strict = False
-        self.critical = Critical(self.do, self.page.touched)
-        self.take(system)
+        self.critical = CriticalSearch(self.submit, self.page.invalidate)
+        self.switch_to(system)
         self.start()
 
     def close(self) -> None:
@@ -72,41 +72,41 @@ class LiveRun(Worker, Pulling):
     # The frames --------------------------------------------------------------------------------
 
     @property
-    def busy(self) -> bool:
+    def is_busy(self) -> bool:
         """Whether another frame is due."""
-        return self.status == RUNNING or self.page.waits
+        return self.status == RUNNING or self.page.is_due
 
     @property
-    def _ended(self) -> bool:
+    def _is_over(self) -> bool:
         """Whether the span of the scene is over."""
         return bool(self.shown.t[-1] >= self.live.system.settings.span[1])
 
     @property
-    def lost(self) -> bool:
-        """Whether no other value leads on from the state: it has grown too far, or its energy has
-        come from nowhere."""
+    def is_unusable(self) -> bool:
+        """Whether the state is of no further use: it has grown too far, or its energy has come from
+        nowhere."""
         start, here = np.abs(self.live.system.y0).max(initial=1.0), self.shown
         with np.errstate(all="ignore"):
-            energies = asked(self.model, "energy", here.t[-1], here.y[-1], here.p)
+            energies = call_module(self.model, "energy", here.t[-1], here.y[-1], here.p)
             parts = np.concatenate((energies, -here.work[-1], [-here.given, -here.start]))
             kept = abs(parts.sum()) <= MADE * np.abs(parts).sum()
         return not (kept and np.abs(here.y[-1]).max(initial=0.0) <= BEYOND * start)
 
     def show(self) -> None:
-        """Send the page what there is to see of the run."""
+        """Send the page a message about the run, if one is due."""
         self.page.show(self)
 
-    def failed(self, message: str) -> None:
-        """A defect stops the run, and the page says so."""
+    def report_failure(self, message: str) -> None:
+        """Stop the run after a defect, with a message for the page."""
         self._stop(message)
 
-    def slice(self) -> None:
+    def do_frame(self) -> None:
         """Take as many steps as are due and fit into a frame."""
         self.critical.tick()
         self._follow_hand()
         if self.status != RUNNING:
             return
-        due = self.pace.due()
+        due = self.pace.target()
         most = self.live.t + 1000 * self.live.every  # samples, where it goes as fast as it can
         failure = ""
         before = time.thread_time()
@@ -114,61 +114,61 @@ class LiveRun(Worker, Pulling):
             samples = self.live.advance(min(due, most), SLICE)
         except LiveError as error:
             samples, failure = error.samples, str(error)
-        self.pace.spend(time.thread_time() - before)
-        self._took(samples)
+        self.pace.add_cost(time.thread_time() - before)
+        self._record(samples)
         if not len(samples.t):  # steps are slow: the picture moves on between samples
-            self._look()
-            self.page.moved()
-        self.pace.reached(self.shown.t[-1])
+            self._sample_now()
+            self.page.invalidate_picture()
+        self.pace.record(self.shown.t[-1])
         if failure:
             self._stop(failure)
-        elif self.goes_round and self.past is None and self._ended:
+        elif self.goes_round and self.past is None and self._is_over:
             self.restart()
-        elif self.pace.missed and not (self.live.coarsest or self.strict):
-            self._roughen()
+        elif self.pace.is_too_slow and not (self.live.is_coarsest or self.strict):
+            self._try_roughen()
 
-    def _took(self, samples: Samples) -> None:
+    def _record(self, samples: Samples) -> None:
         if not len(samples.t):
             return
         chunk = self.store.add(samples)
         self.shown = chunk.last()
-        self.page.fed(self.plots, chunk)
+        self.page.add_samples(self.plots, chunk)
 
     def _stop(self, message: str) -> None:
         self.status, self.message = STOPPED, message
-        self._changed()
+        self._notify_page()
 
-    def _changed(self) -> None:
-        """Tell the page that something beside the picture is other than before."""
-        self.page.touched()
+    def _notify_page(self) -> None:
+        """Tell the page that something other than the picture has changed."""
+        self.page.invalidate()
         self.told()
 
     # What can be asked of it: in its thread ----------------------------------------------------
 
-    def take(self, system: System | Scene) -> None:
+    def switch_to(self, system: System | Scene) -> None:
         """Run another system, from its start; plots go on as far as it has their quantities."""
         system = System.of(system)
         model = build_fastest(system.structure)
         if self.taken:
-            self._keep()
-        every = self._every(system.settings)
+            self._keep_ghost()
+        every = self._sample_interval(system.settings)
         live, catalogue = Live(system, model, every), Catalogue(system, model)
         self._transfer_plots(catalogue)
         self.model, self.live, self.catalogue = model, live, catalogue
         self.taken += 1
         self.strict = False
-        self.page.structure_changed()
+        self.page.reset_texts()
         self._begin()
 
     def restart(self, system: System | Scene | None = None) -> None:
-        """Go back to the initial state."""
-        self._keep()
+        """Go back to the initial state, of another system if one is given."""
+        self._keep_ghost()
         self.live.restart(system)
         self._begin()
 
     def begin_at(self, sample: Samples, given: float, start: float) -> None:
-        """Begin with one sample of another run, at which so much energy [J] was given, and which
-        had so much at its start."""
+        """Begin with one sample of another run; given: energy [J] put into that so far; start: its
+        total energy at the start [J]."""
         self.live.go_back(sample, self.live.p, given)
         self.live.energy_start, self.greeted = start, True
         self._begin()
@@ -176,63 +176,63 @@ class LiveRun(Worker, Pulling):
     def _begin(self) -> None:
         live = self.live
         self.begun += 1
-        self.store = Store(live.states, live.works, live.energy_start)
-        self.store.change(live.p, live.given)
-        self.marks, self.past = Marks(), None
-        self.undo.begin()
+        self.store = SampleStore(live.states, live.works, live.energy_start)
+        self.store.set_parameters(live.p, live.given)
+        self.marks, self.past = ChangeMarks(), None
+        self.undo.drop_marks()
         if self.status != RUNNING:
             self.status = PAUSED
         self.message = ""
-        self.page.restarted(self.plots)
-        self._first()
-        self._resume()
-        self.critical.look(live.system)
-        self._warned()
-        self._changed()
+        self.page.reset_run(self.plots)
+        self._take_first_sample()
+        self._restart_clock()
+        self.critical.restart(live.system)
+        self._update_warnings()
+        self._notify_page()
 
-    def _first(self) -> None:
+    def _take_first_sample(self) -> None:
         """Take the sample at the start."""
-        self._look()
+        self._sample_now()
         try:
-            self._took(self.live.advance(self.live.system.settings.span[0], 0.0))
+            self._record(self.live.advance(self.live.system.settings.span[0], 0.0))
         except LiveError as error:
-            self._took(error.samples)
+            self._record(error.samples)
             self.status, self.message = STOPPED, str(error)
         if not self.store.count:  # it begins amid another
-            self._took(self.live.here())
+            self._record(self.live.here())
 
-    def _look(self) -> None:
-        """Show the state as it is now, after something has changed it."""
+    def _sample_now(self) -> None:
+        """Take the present state as the sample to show, after something has changed it."""
         live, (t, y, work) = self.live, self.live.here()
         self.shown = Chunk(t, y, work, live.works, live.p, live.given, live.energy_start)
 
-    def _resume(self) -> None:
+    def _restart_clock(self) -> None:
         self.pace.start(float(self.shown.t[-1]))
 
-    def _warned(self) -> None:
-        """Look at what is wrong with the step or the tolerance, which have changed."""
+    def _update_warnings(self) -> None:
+        """Update the warnings about the step or the tolerance, which have changed."""
         self.warnings = self.live.warnings()
 
-    def go(self) -> None:
-        """Let a run that is paused go on, in the present."""
+    def resume(self) -> None:
+        """Resume a paused run, in the present."""
         self.past = None
         if self.status == PAUSED:
             self.status = RUNNING
-            self._resume()
-            self._changed()
+            self._restart_clock()
+            self._notify_page()
 
-    def go_round(self) -> None:
-        """Let a run go over the span of its scene, and over again, until somebody pauses or changes
-        it."""
+    def loop(self) -> None:
+        """Run over the span of the scene again and again, until somebody pauses or changes the
+        run."""
         self.goes_round = True
-        self.go()
+        self.resume()
 
     def pause(self) -> None:
         """Pause the run."""
         self.goes_round = False
         if self.status == RUNNING:
             self.status = PAUSED
-            self._changed()
+            self._notify_page()
 
     def one_step(self) -> None:
         """Pause the run and take a single step of the method, in the present."""
@@ -241,40 +241,40 @@ class LiveRun(Worker, Pulling):
         if self.status == STOPPED:
             return
         try:
-            self._took(self.live.one_step())
+            self._record(self.live.one_step())
         except LiveError as error:
-            self._took(error.samples)
+            self._record(error.samples)
             self._stop(str(error))
-        self._changed()
+        self._notify_page()
 
     def change(self, system: System | Scene, what: str = "") -> None:
-        """Take other values of parameters, method, tolerances; what: in words, for the record."""
+        """Apply other values of parameters, method, tolerances; what: in words, for the record."""
         then, moved = self.live.system.settings, self.live.change(system)
         now = self.live.system.settings
         if now.output_every != then.output_every:
-            self.live.sample_every(self._every(now))
+            self.live.sample_every(self._sample_interval(now))
         if now != then:
-            self._warned()
+            self._update_warnings()
             self.strict = False
         if moved:
-            self._changed_motion(what)
-            self._renew_plots()
-            self.critical.look(self.live.system)
-        self._mended()
+            self._begin_chunk(what)
+            self._rebuild_plots()
+            self.critical.restart(self.live.system)
+        self._clear_stop()
 
     def roughen(self, on: bool) -> None:
-        """Go on by a method and coarser tolerances for looking, or by those of the scene, whatever
-        time that takes. Raises InputError."""
+        """Switch to a method and coarser tolerances that keep real time, or back to those of the
+        scene, whatever time they take. Raises InputError."""
         self.live.roughen(on)
         self.strict = not on
         used = self.live.settings
-        self._warned()
-        self._changed_motion(f"{used.method} at rtol {used.rtol:g}{' for looking' * on}")
-        self._resume()
-        self._changed()
+        self._update_warnings()
+        self._begin_chunk(f"{used.method} at rtol {used.rtol:g}{' for looking' * on}")
+        self._restart_clock()
+        self._notify_page()
 
-    def _roughen(self) -> None:
-        """Take a tolerance for looking, where that can be had; a loop goes on."""
+    def _try_roughen(self) -> None:
+        """Switch to coarser tolerances, if there are any; a loop goes on."""
         around = self.goes_round
         try:
             self.roughen(True)
@@ -282,69 +282,69 @@ class LiveRun(Worker, Pulling):
             self.strict = True
         self.goes_round = around
 
-    def _mended(self) -> None:
-        """After a change, let a run that was stopped go on, if its state is of use."""
-        if self.status == STOPPED and not self.lost:
+    def _clear_stop(self) -> None:
+        """Turn a stopped run into a paused one after a change, if its state is of use."""
+        if self.status == STOPPED and not self.is_unusable:
             self.status, self.message = PAUSED, ""
-        self._changed()
+        self._notify_page()
 
-    def _changed_motion(self, what: str) -> None:
-        """Keep apart the samples from here on: the rod moves otherwise."""
+    def _begin_chunk(self, what: str) -> None:
+        """Begin a new piece of samples, as the rod moves differently from here on."""
         self.goes_round = False
         self.past = None
         if what:
             self.marks.note(self.live.t, what)
-        self.store.change(self.live.p, self.live.given)
-        self._look()
+        self.store.set_parameters(self.live.p, self.live.given)
+        self._sample_now()
 
     def set_speed(self, speed: float) -> None:
         """Set the simulated seconds per second; infinite: as fast as it goes."""
         self.pace.speed = speed
-        every = self._every(self.live.system.settings)
+        every = self._sample_interval(self.live.system.settings)
         if not math.isclose(every, self.live.every):
             self.live.sample_every(every)
-        self._resume()
-        self._changed()
+        self._restart_clock()
+        self._notify_page()
 
-    def _every(self, settings: Integrate) -> float:
-        """Seconds between samples: those asked for, or less where frames need it."""
+    def _sample_interval(self, settings: IntegrationTable) -> float:
+        """Interval between samples [s]: the one asked for, or less where frames need it."""
         wanted = settings.output_every
         return min(wanted, self.pace.speed * FRAME) if math.isfinite(self.pace.speed) else wanted
 
     # Looking back ------------------------------------------------------------------------------
 
     @property
-    def seen(self) -> Chunk:
-        """What the page looks at: the present, or a sample of the past."""
+    def page_sample(self) -> Chunk:
+        """Sample that the page looks at: the present, or one of the past."""
         return self.past or self.shown
 
     def look_at(self, t: float) -> None:
         """Show the page the sample nearest to a time [s]; the run itself goes on."""
         if self.store.count:
-            self.past = self.store.near(t)
-            self.page.touched()
+            self.past = self.store.nearest(t)
+            self.page.invalidate()
 
-    def look_on(self, by: int) -> None:
-        """Show the page the sample so many after the one that it looks at; the last one of all is
-        the present."""
+    def step_view(self, by: int) -> None:
+        """Show the page the sample `by` samples after the one that it looks at; the last one of all
+        is the present."""
         if self.store.count:
-            found = self.store.near(float(self.seen.t[-1]), by)
+            found = self.store.nearest(float(self.page_sample.t[-1]), by)
             self.past = found if found.t[-1] < self.store.span[1] else None
-            self.page.touched()
+            self.page.invalidate()
 
-    def look_up(self) -> None:
+    def look_at_present(self) -> None:
         """Show the page the present again."""
         self.past = None
-        self.page.touched()
+        self.page.invalidate()
 
     # What is taken away -------------------------------------------------------------------------
 
-    def solution(self) -> Recorded:
-        """All samples that are kept, each with the parameters that it was made with."""
+    def solution(self) -> RecordedSolution:
+        """Solution of all samples that are kept, each with the parameters that it was made with."""
         pieces = tuple(self.store.chunks()) or (self.shown,)
         work = np.concatenate([piece.work for piece in pieces])
-        return Recorded(
-            system=self.live.integrated,
+        return RecordedSolution(
+            system=self.live.system_in_use,
             t=np.concatenate([piece.t for piece in pieces]),
             y=np.concatenate([piece.y for piece in pieces]),
             work={term: work[:, at] for at, term in enumerate(self.live.works)},
@@ -357,11 +357,11 @@ class LiveRun(Worker, Pulling):
 
     # For the page ------------------------------------------------------------------------------
 
-    def present(self) -> Present:
-        """What the page looks at, for the panel of values."""
+    def run_status(self) -> RunStatus:
+        """State of the run at the sample that the page looks at, for the panel of values."""
         live = self.live
-        return Present(
-            chunk=self.seen,
+        return RunStatus(
+            chunk=self.page_sample,
             counts=live.counts,
             seconds=live.seconds,
             ratio=self.pace.ratio if self.status == RUNNING else None,

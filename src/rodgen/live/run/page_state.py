@@ -1,4 +1,4 @@
-"""What a page has seen of a run, and what is to be sent next."""
+"""State of a page: what it has drawn of a run, and what is to be sent next."""
 
 from __future__ import annotations
 
@@ -11,13 +11,13 @@ import numpy as np
 
 from rodgen.arrays import Array
 from rodgen.integrate.live import Live
-from rodgen.live.run.curves import thin
+from rodgen.live.panel_rows import RunStatus, row_texts
+from rodgen.live.run.change_marks import ChangeMark, ChangeMarks
 from rodgen.live.run.ghost import Ghost
-from rodgen.live.run.marks import Mark, Marks
 from rodgen.live.run.message import Named, Trail, encode, ghost_array, pull_array, rod_arrays
 from rodgen.live.run.plot import Plot
-from rodgen.live.samples import Chunk, Store
-from rodgen.live.texts import Present, texts
+from rodgen.live.run.sample_curves import thin
+from rodgen.live.sample_store import Chunk, SampleStore
 
 AHEAD = 2  # messages that are sent before one is acknowledged
 TEXTS = 0.2  # seconds between two of them
@@ -26,38 +26,38 @@ Send = Callable[[bytes], None]
 
 
 class ShownRun(Protocol):
-    """What a page shows of a run; see LiveRun."""
+    """Interface of a run that a page shows; see LiveRun."""
 
     status: str
     begun: int
     goes_round: bool
     live: Live
     model: ModuleType
-    store: Store
-    marks: Marks
+    store: SampleStore
+    marks: ChangeMarks
     plots: dict[str, Plot]
     past: Chunk | None
     ghost: Ghost | None
     keeps: bool
 
     @property
-    def seen(self) -> Chunk:
-        """What the page looks at."""
+    def page_sample(self) -> Chunk:
+        """Sample that the page looks at."""
 
-    def present(self) -> Present:
-        """How the run goes."""
+    def run_status(self) -> RunStatus:
+        """State of the run for the panel of values."""
 
 
 class Connection:
-    """A page that has come: where its messages go, and the last of them that it has drawn."""
+    """Connection to a page: sends its messages, and knows the last that the page has drawn."""
 
     def __init__(self, send: Send):
         self.send, self.seen = send, 0
 
 
 class PageState:
-    """One page at most looks at a run. What it has not seen waits here, one message's worth: with
-    a slow page, messages become fewer, not more.
+    """State of the one page that may look at a run. What it has not seen waits here, one message's
+    worth: with a slow page, messages become fewer, not more.
 
     `attach`, `detach` and `acknowledge` come from one other thread, that of the pages; the rest is
     the run's own. Either writes attributes of its own, and reads those of the other once.
@@ -73,14 +73,14 @@ class PageState:
         self._replaced: set[str] = set()
         self._compared: set[str] = set()  # plots whose ghosts the page has not got
         self._texts: dict[str, str] = {}
-        self._marks: tuple[Mark, ...] | None = None  # that the page has
+        self._marks: tuple[ChangeMark, ...] | None = None  # that the page has
         self._texts_at = -np.inf
         self._dirty = True
 
     # The connection ----------------------------------------------------------------------------
 
     def attach(self, send: Send) -> None:
-        """Send messages there from now on, the first with everything."""
+        """Send messages to a page from now on, the first with everything."""
         self._page = Connection(send)
         self.came += 1
 
@@ -90,76 +90,76 @@ class PageState:
             self._page = None
 
     @property
-    def watched(self) -> bool:
-        """Whether anybody looks."""
+    def has_page(self) -> bool:
+        """Whether a page is attached."""
         return self._page is not None
 
     def acknowledge(self, frame: int) -> None:
-        """Note that the page has drawn that message."""
+        """Note that the page has drawn this message."""
         page = self._page
         if page is not None and page.seen < frame <= self._frame:
             page.seen = frame
 
     @property
-    def waits(self) -> bool:
-        """Whether something is to be sent as soon as the page has drawn what it has."""
+    def is_due(self) -> bool:
+        """Whether something is to be sent as soon as the page can take it."""
         page = self._page
         return page is not None and (self._dirty or page is not self._told)
 
     # What comes in -----------------------------------------------------------------------------
 
-    def touched(self) -> None:
-        """Note that texts and picture are to be sent as soon as they can."""
+    def invalidate(self) -> None:
+        """Mark texts and picture as out of date."""
         self._dirty = True
         self._texts_at = -np.inf
 
-    def moved(self) -> None:
-        """Note that there is another state to draw."""
+    def invalidate_picture(self) -> None:
+        """Mark the picture as out of date."""
         self._dirty = True
 
-    def fed(self, plots: Mapping[str, Plot], chunk: Chunk) -> None:
-        """Take up samples for the trail and the plots."""
+    def add_samples(self, plots: Mapping[str, Plot], chunk: Chunk) -> None:
+        """Add samples to the trail and the plots."""
         self._dirty = True
-        self._trail.follow(chunk)
+        self._trail.add(chunk)
         for name, plot in plots.items():
             rows = plot.feed(chunk)
             if rows is not None:
-                self._keep(name, rows)
+                self._queue_rows(name, rows)
 
-    def _keep(self, name: str, rows: Array) -> None:
+    def _queue_rows(self, name: str, rows: Array) -> None:
         waiting = self._rows.setdefault(name, [])
         waiting.append(rows)
         if sum(part.size for part in waiting) > MOST_WAITING:
             rows = np.concatenate(waiting)
             self._rows[name] = [thin(rows, max(LEAST, len(rows) // 2))]
 
-    def added(self, plot: Plot, before: Iterable[Chunk]) -> None:
-        """Take up a plot, with what was before it."""
+    def add_plot(self, plot: Plot, before: Iterable[Chunk]) -> None:
+        """Add a plot, with rows of the samples before it."""
         name = plot.spec.id
         self._rows[name], self._dirty = [plot.backlog(before)], True
         self._replaced.add(name)
         self._compared.add(name)
 
-    def compared(self, plots: Iterable[str]) -> None:
-        """Take up another ghost, or that there is none."""
+    def resend_ghosts(self, plots: Iterable[str]) -> None:
+        """Send the ghosts of these plots anew: the kept run is another, or there is none."""
         self._compared, self._dirty = set(plots), True
 
-    def removed(self, name: str) -> None:
+    def remove_plot(self, name: str) -> None:
         self._rows.pop(name, None)
         self._compared.discard(name)
         self._replaced.discard(name)
 
-    def restarted(self, plots: Mapping[str, Plot]) -> None:
-        """Forget what was before the run began again: these are its plots, and they are empty."""
+    def reset_run(self, plots: Mapping[str, Plot]) -> None:
+        """Clear the trail and all rows, as the run has begun again with these plots."""
         self._rows, self._replaced = {}, set()
         self._trail.restart()
         for name, plot in plots.items():
             plot.reset()
             self._rows[name] = []
             self._replaced.add(name)
-        self.touched()
+        self.invalidate()
 
-    def structure_changed(self) -> None:
+    def reset_texts(self) -> None:
         """Send all texts anew."""
         self._texts = {}
 
@@ -169,7 +169,7 @@ class PageState:
         """Send a message if there is something to show and the page can take it."""
         page = self._page
         if page is not None and page is not self._told:
-            self._begin(run)
+            self._begin_page(run)
         self._told = page
         if page is None or not self._dirty:
             return
@@ -180,39 +180,43 @@ class PageState:
         self._frame += 1
         page.send(message)
 
-    def _begin(self, run: ShownRun) -> None:
-        """Begin with another page, which has nothing yet."""
+    def _begin_page(self, run: ShownRun) -> None:
+        """Prepare to send everything to a page that has come."""
         self._since, self._texts, self._marks = self._frame, {}, None
         self._replaced.clear()
         self._trail.restart()
         for plot in run.plots.values():
-            self.added(plot, run.store.chunks())
-        self.touched()
+            self.add_plot(plot, run.store.chunks())
+        self.invalidate()
 
     def _message(self, run: ShownRun, frame: int) -> bytes:
         header: dict[str, Any] = {"frame": frame, "state": run.status, "begun": run.begun}
         header["loops"] = run.goes_round
         arrays: list[Named] = []
-        if np.isfinite(run.seen.y[-1]).all():
-            header["t"] = float(run.seen.t[-1])
-            header["origin"], arrays = rod_arrays(run.model, run.seen)
-            arrays.append(pull_array(run.model, run.live.placed, run.seen, header["origin"]))
+        if np.isfinite(run.page_sample.y[-1]).all():
+            header["t"] = float(run.page_sample.t[-1])
+            header["origin"], arrays = rod_arrays(run.model, run.page_sample)
+            arrays.append(
+                pull_array(
+                    run.model, run.live.system_with_support, run.page_sample, header["origin"]
+                )
+            )
             if run.ghost:
                 arrays.append(ghost_array(run.ghost.joints(header["t"]), header["origin"]))
             name = "trail!" if self._trail.anew else "trail"
-            arrays.append((name, self._trail.take(run.model, run.store).ravel()))
-        header["line"] = self._line(run)
+            arrays.append((name, self._trail.pop(run.model, run.store).ravel()))
+        header["line"] = self._timeline(run)
         now = time.perf_counter()
         if now - self._texts_at > TEXTS:
             self._texts_at = now
             header["texts"] = self._new_texts(run)
-        arrays += self._plotted(run)
+        arrays += self._plot_arrays(run)
         return encode(header, arrays)
 
-    def _line(self, run: ShownRun) -> dict[str, Any]:
-        """The time line: its ends [s], how many samples it has, which the page looks back at [s],
-        if it does; whether runs are kept; and all marks, where they are other than before."""
-        first, last = run.store.span if run.store.count else (run.seen.t[-1],) * 2
+    def _timeline(self, run: ShownRun) -> dict[str, Any]:
+        """Header of the time line: its ends [s], the number of samples, the past time looked back
+        at [s], if any; whether runs are kept; and all marks, if they have changed."""
+        first, last = run.store.span if run.store.count else (run.page_sample.t[-1],) * 2
         past = None if run.past is None else float(run.past.t[-1])
         line: dict[str, Any] = {
             "from": float(first),
@@ -227,23 +231,27 @@ class PageState:
         return line
 
     def _new_texts(self, run: ShownRun) -> dict[str, str]:
-        """Texts that are other than before."""
-        every = texts(run.live.placed.scene, run.model, run.present())
+        """Texts that have changed since the message before."""
+        every = row_texts(run.live.system_with_support.scene, run.model, run.run_status())
         new = {key: text for key, text in every.items() if self._texts.get(key) != text}
         self._texts |= new
         return new
 
-    def _plotted(self, run: ShownRun) -> list[Named]:
-        """Rows of plots to send; what a page was not there for is kept until it is."""
+    def _plot_arrays(self, run: ShownRun) -> list[Named]:
+        """Arrays of the rows of plots that wait, and of the ghosts beside them."""
         found: list[Named] = []
         for name, plot in run.plots.items():
             if name in self._compared or (run.ghost and plot.spec.kind == "profile"):
-                rows = run.ghost.rows(plot, run.seen) if run.ghost else np.zeros(0)
+                rows = run.ghost.rows(plot, run.page_sample) if run.ghost else np.zeros(0)
                 found.append((f"ghost:{name}", rows.ravel()))
         self._compared.clear()
         for name, plot in run.plots.items():
             waiting = self._rows.pop(name, [])
-            present = plot.present(run.seen, _leading(run, plot)) if plot.replaces else None
+            present = (
+                plot.current_rows(run.page_sample, _samples_before(run, plot))
+                if plot.replaces
+                else None
+            )
             if present is not None:
                 found.append((f"plot!{name}", present.ravel()))
             elif name in self._replaced:
@@ -255,8 +263,8 @@ class PageState:
         return found
 
 
-def _leading(run: ShownRun, plot: Plot) -> Iterator[Chunk] | None:
-    """The samples that lead to that of the past which is looked at, in the window of a plot."""
+def _samples_before(run: ShownRun, plot: Plot) -> Iterator[Chunk] | None:
+    """Samples that lead to the one of the past which is looked at, in the window of a plot."""
     if run.past is None:
         return None
     t = float(run.past.t[-1])

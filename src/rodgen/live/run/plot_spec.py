@@ -1,4 +1,4 @@
-"""What a plot shows, as somebody has chosen it, checked; and the same plot of another rod."""
+"""Specification of a plot, checked, and its transfer to another rod."""
 
 from __future__ import annotations
 
@@ -8,10 +8,10 @@ from dataclasses import asdict, dataclass, fields, replace
 from typing import Any
 
 from rodgen.errors import InputError
-from rodgen.live.catalogue import KINDS, Catalogue
-from rodgen.live.run.curves import DIRECTIONS
+from rodgen.live.plot_quantities import KINDS, Catalogue
+from rodgen.live.run.sample_curves import DIRECTIONS
 from rodgen.model.quantities import OWN
-from rodgen.scene.structure import choose
+from rodgen.scene.structure import check_choice
 from rodgen.scene.tables import LARGEST
 
 PLOT_KINDS = {
@@ -29,12 +29,12 @@ MOST_NAMES = 200
 
 @dataclass(frozen=True)
 class PlotSpec:
-    """A plot: kind; y: names of quantities or of kinds, which stand for all of their quantities
-    (profile: one kind that goes along the rod; phase, poincare and spectrum: one quantity); x: of
-    phase and poincare; window: seconds that are shown, or that a spectrum is of; poincare: points
-    where ``when`` reaches ``value`` (plus whole numbers of ``every``, if not 0), ``direction``
-    rising, falling or either; wrapped: angles are shown without their whole turns, within half a
-    turn of zero; axes: of a spectrum (AXES). title: made where it is empty."""
+    """Specification of a plot. y: names of quantities or of kinds, which stand for all of their
+    quantities (profile: one kind that goes along the rod; phase, poincare and spectrum: one
+    quantity); x: of phase and poincare; window: seconds that are shown, or that a spectrum is of;
+    poincare: points where ``when`` reaches ``value`` (plus whole numbers of ``every``, if not 0),
+    ``direction`` rising, falling or either; wrapped: angles are shown without their whole turns,
+    within half a turn of zero; axes: of a spectrum (AXES). title: made where it is empty."""
 
     id: str
     kind: str
@@ -51,8 +51,8 @@ class PlotSpec:
 
     @classmethod
     def from_dict(cls, choice: Mapping[str, Any], catalogue: Catalogue) -> PlotSpec:
-        """Check what a user has chosen. Raises InputError that names field, value and what is
-        allowed, also for a quantity that this rod does not have."""
+        """Make a specification from a user's choices. Raises InputError that names field, value and
+        what is allowed, also for a quantity that this rod does not have."""
         known = [field.name for field in fields(cls)]
         for name in choice:
             if name not in known:
@@ -60,17 +60,17 @@ class PlotSpec:
         for name in ("id", "kind", "y"):
             if name not in choice:
                 raise InputError(f"plot.{name}", None, "given")
-        return _checked(dict(choice), catalogue)
+        return _build_spec(dict(choice), catalogue)
 
     def to_dict(self) -> dict[str, Any]:
-        """The choice again, for `from_dict`, as JSON has it."""
+        """Convert the specification to a table for `from_dict`, as JSON has it."""
         return {**asdict(self), "y": list(self.y)}
 
 
-def _checked(choice: dict[str, Any], catalogue: Catalogue) -> PlotSpec:
+def _build_spec(choice: dict[str, Any], catalogue: Catalogue) -> PlotSpec:
     if not isinstance(choice["id"], str) or not re.fullmatch(r"[A-Za-z0-9_-]{1,32}", choice["id"]):
         raise InputError("plot.id", choice["id"], "1 to 32 letters, digits, - and _")
-    choose("plot.kind", choice["kind"], PLOT_KINDS)
+    check_choice("plot.kind", choice["kind"], PLOT_KINDS)
     title = choice.get("title", "")
     if not (isinstance(title, str) and len(title) <= 80 and (title.isprintable() or not title)):
         raise InputError("plot.title", title, "at most 80 printable characters")
@@ -80,9 +80,9 @@ def _checked(choice: dict[str, Any], catalogue: Catalogue) -> PlotSpec:
         ("every", 0.0, LARGEST),
     ):
         if name in choice:
-            choice[name] = _number(f"plot.{name}", choice[name], low, high)
-    choose("plot.direction", choice.get("direction", "rising"), DIRECTIONS)
-    choose("plot.axes", choice.get("axes", "linear"), AXES)
+            choice[name] = _check_number(f"plot.{name}", choice[name], low, high)
+    check_choice("plot.direction", choice.get("direction", "rising"), DIRECTIONS)
+    check_choice("plot.axes", choice.get("axes", "linear"), AXES)
     if not isinstance(choice.get("wrapped", True), bool):
         raise InputError("plot.wrapped", choice["wrapped"], "true or false")
     y = choice["y"]
@@ -101,7 +101,7 @@ def _check_names(spec: PlotSpec, catalogue: Catalogue) -> None:
                 catalogue.expand(name, f"plot.y[{at}]")
             return
         case "profile":
-            choose("plot.y[0]", spec.y[0], catalogue.along)
+            check_choice("plot.y[0]", spec.y[0], catalogue.along)
         case _:
             catalogue.quantity(spec.y[0], "plot.y[0]")
     if len(spec.y) > 1:
@@ -112,7 +112,7 @@ def _check_names(spec: PlotSpec, catalogue: Catalogue) -> None:
         catalogue.quantity(spec.when, "plot.when")
 
 
-def _number(field: str, value: Any, low: float, high: float) -> float:
+def _check_number(field: str, value: Any, low: float, high: float) -> float:
     number = isinstance(value, int | float) and not isinstance(value, bool)
     if not (number and low <= value <= high):  # not-a-number is not between
         raise InputError(field, value, f"a number from {low:g} to {high:g}")
@@ -120,7 +120,7 @@ def _number(field: str, value: Any, low: float, high: float) -> float:
 
 
 def title_of(spec: PlotSpec, catalogue: Catalogue) -> str:
-    """The title that was chosen, or one that says what is shown."""
+    """Title that was chosen, or one that says what is shown."""
     if spec.title:
         return spec.title
     labels = [_label(name, catalogue) for name in spec.y]
@@ -148,8 +148,8 @@ def _label(name: str, catalogue: Catalogue) -> str:
     return KINDS[name].title
 
 
-def _own(text: str, after: Catalogue) -> str | None:
-    """An expression, if it can be had of another rod."""
+def _matching_expression(text: str, after: Catalogue) -> str | None:
+    """Look up an expression in the catalogue of another rod; None where that cannot have it."""
     try:
         return after.quantity(text).name
     except InputError:
@@ -157,33 +157,33 @@ def _own(text: str, after: Catalogue) -> str | None:
 
 
 def counterpart(name: str, before: Catalogue, after: Catalogue) -> str | None:
-    """A quantity or kind of one rod in another, or None where that has none. What was the last of
-    its kind (the tail's) is so again."""
+    """Name of a quantity or kind of one rod in another, or None where that has none. The last of
+    its kind (the tail's) becomes the last one there."""
     if name in before.quantities:
         kind = before.quantities[name].kind
         known, now = before.kinds.get(kind, []), after.kinds.get(kind, [])
         if len(known) > 1 and name == known[-1] and now:
             return now[-1]
         if kind == OWN:
-            return _own(name, after)
+            return _matching_expression(name, after)
     return name if name in after.quantities or name in after.kinds else None
 
 
-def lacking(spec: PlotSpec, before: Catalogue, after: Catalogue) -> list[str]:
-    """What of a plot of one rod another rod does not have, in words."""
+def missing_labels(spec: PlotSpec, before: Catalogue, after: Catalogue) -> list[str]:
+    """Labels of the quantities of a plot that another rod does not have."""
     names = dict.fromkeys(filter(None, (*spec.y, spec.x, spec.when)))
     return [_label(name, before) for name in names if counterpart(name, before, after) is None]
 
 
 def transfer(spec: PlotSpec, name: str, before: Catalogue, after: Catalogue) -> PlotSpec | None:
-    """A plot of one rod as a plot of another, under another name, or None where nothing of it is
-    left."""
+    """Convert a plot of one rod to a plot of another, under another name; None where nothing of it
+    is left."""
 
-    def same(quantity: str) -> str | None:
+    def new_quantity(quantity: str) -> str | None:
         return counterpart(quantity, before, after)
 
-    y = tuple(dict.fromkeys(new for old in spec.y if (new := same(old)) is not None))
-    x, when = same(spec.x), same(spec.when) if spec.when else ""
+    y = tuple(dict.fromkeys(new for old in spec.y if (new := new_quantity(old)) is not None))
+    x, when = new_quantity(spec.x), new_quantity(spec.when) if spec.when else ""
     if not y or x is None or when is None:
         return None
     try:

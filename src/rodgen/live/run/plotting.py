@@ -1,4 +1,4 @@
-"""What of a live run keeps the plots of its page."""
+"""The plots of a live run: added, removed, ordered, and transferred to another rod."""
 
 from __future__ import annotations
 
@@ -8,16 +8,16 @@ from types import MappingProxyType
 from typing import Any
 
 from rodgen.errors import InputError
-from rodgen.live.catalogue import Catalogue
-from rodgen.live.run.comparing import Comparing
+from rodgen.live.plot_quantities import Catalogue
 from rodgen.live.run.plot import Plot
-from rodgen.live.run.plot_spec import PlotSpec, lacking, transfer
+from rodgen.live.run.plot_spec import PlotSpec, missing_labels, transfer
+from rodgen.live.run.run_comparison import ComparisonMixin
 
 MOST_PLOTS = 24
 Chosen = tuple[PlotSpec, Catalogue]  # a plot, and of which rod it is
 
 
-class Plotting(Comparing):
+class PlotsMixin(ComparisonMixin):
     """The part of a LiveRun that adds, removes and orders plots."""
 
     _numbers: Iterator[int]  # of plots to come
@@ -25,66 +25,68 @@ class Plotting(Comparing):
     _left: tuple[Chosen, ...] = ()  # plots of which that has nothing
     _whole: Mapping[str, Chosen] = MappingProxyType({})  # and those of which it has a part
 
-    def new_name(self) -> str:
-        """A name of a plot, unlike all before."""
+    def new_plot_name(self) -> str:
+        """Make a name for a plot, unlike all before."""
         return f"p{next(self._numbers)}"
 
     def add_plot(self, choice: dict[str, Any]) -> None:
-        """Add a plot, which begins with what was before it. Raises InputError."""
+        """Add a plot, with rows of the samples so far. Raises InputError."""
         if len(self.plots) >= MOST_PLOTS:
             raise InputError("plots", len(self.plots) + 1, f"at most {MOST_PLOTS} on a page")
-        spec = PlotSpec.from_dict({**choice, "id": self.new_name()}, self.catalogue)
+        spec = PlotSpec.from_dict({**choice, "id": self.new_plot_name()}, self.catalogue)
         self.plots[spec.id] = plot = Plot(spec, self.catalogue)
         plot.beside = self.ghost
-        self.page.added(plot, self.store.chunks())
-        self._changed()
+        self.page.add_plot(plot, self.store.chunks())
+        self._notify_page()
 
     def _transfer_plots(self, catalogue: Catalogue) -> None:
-        """Have the plots of another rod, as far as it has their quantities. What it does not have
-        comes back with a rod that has it."""
+        """Transfer the plots to another rod, as far as it has their quantities. What it does not
+        have comes back with a rod that has it."""
         shown = {name: (plot.spec, plot.catalogue) for name, plot in self.plots.items()}
-        missing = (name for spec, of in shown.values() for name in lacking(spec, of, catalogue))
+        missing = (
+            name for spec, of in shown.values() for name in missing_labels(spec, of, catalogue)
+        )
         self.unplotted = tuple(dict.fromkeys(missing))
         chosen = [self._whole.get(name, one) for name, one in shown.items()]
         self.plots, whole, left = {}, {}, []
         for spec, of in (*chosen, *self._left):
-            moved = transfer(spec, self.new_name(), of, catalogue)
+            moved = transfer(spec, self.new_plot_name(), of, catalogue)
             if moved is None or len(self.plots) == MOST_PLOTS:
                 left.append((spec, of))
                 continue
             self.plots[moved.id] = plot = Plot(moved, catalogue)
             plot.beside = self.ghost
-            if lacking(spec, of, catalogue):
+            if missing_labels(spec, of, catalogue):
                 whole[moved.id] = spec, of
         self._left, self._whole = tuple(left[:MOST_PLOTS]), whole
-        self.page.compared(self.plots)
+        self.page.resend_ghosts(self.plots)
 
-    def _renew_plots(self) -> None:
-        """Have plots of all energies show those that there are by now."""
-        if not self.catalogue.settle(self.live.t, self.live.p):
+    def _rebuild_plots(self) -> None:
+        """Rebuild plots of all energies if others of these are zero than before."""
+        if not self.catalogue.update_zero_energies(self.live.t, self.live.p):
             return
         shown, self.plots = self.plots, {}
         for name, plot in shown.items():
-            made = Plot(replace(plot.spec, id=self.new_name()), self.catalogue)
+            made = Plot(replace(plot.spec, id=self.new_plot_name()), self.catalogue)
             if made.names != plot.names:
-                self.page.removed(name)
+                self.page.remove_plot(name)
                 name, plot, made.beside = made.spec.id, made, self.ghost
-                self.page.added(plot, self.store.chunks())
+                self.page.add_plot(plot, self.store.chunks())
             self.plots[name] = plot
 
     def wrap_plot(self, name: str, wrapped: bool) -> None:
-        """Have the page show the angles of this plot, if it is there, without their whole turns, or
-        as they are."""
+        """Show the angles of this plot, if it is there, without their whole turns, or as they
+        are."""
         if name in self.plots:
             plot = self.plots[name]
             plot.spec = replace(plot.spec, wrapped=wrapped)
-            self._changed()
+            self._notify_page()
 
     def remove_plot(self, name: str) -> None:
         """Remove the plot of this name, if it is there."""
         self.plots.pop(name, None)
-        self.page.removed(name)
-        self._changed()
+        self.page.remove_plot(name)
+        self._notify_page()
 
     def arrange_plots(self, names: list[str]) -> None:
         """Show the plots in another order."""

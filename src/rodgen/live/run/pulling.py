@@ -1,4 +1,4 @@
-"""What of a live run kicks the rod, and pulls it by a spring to a place that is moved by hand."""
+"""Kicks of the rod of a live run, and pulls by a spring to a place that is moved by hand."""
 
 from __future__ import annotations
 
@@ -7,21 +7,21 @@ from dataclasses import replace
 from types import ModuleType
 
 from rodgen.arrays import Array
-from rodgen.integrate.pull import Pull, widened, with_place
-from rodgen.integrate.samples import Samples
-from rodgen.live.catalogue import Catalogue
-from rodgen.live.run.marks import Mark
+from rodgen.integrate.pull import Pull, widen_parameters, with_idle_support
+from rodgen.integrate.recorder import Samples
+from rodgen.live.plot_quantities import Catalogue
+from rodgen.live.run.change_marks import ChangeMark
 from rodgen.live.run.plot import Plot
-from rodgen.live.run.plotting import Plotting
+from rodgen.live.run.plotting import PlotsMixin
 from rodgen.live.run.undo import Undo
-from rodgen.live.samples import Chunk
+from rodgen.live.sample_store import Chunk
 from rodgen.loading import build_fastest
 from rodgen.model.terms import PULL
 from rodgen.scene import Structure
 from rodgen.system import System
 
 
-class Pulling(Plotting):
+class PullMixin(PlotsMixin):
     """The part of a LiveRun that kicks and pulls; the far end of a pull goes where it was moved
     last, once a frame."""
 
@@ -31,99 +31,99 @@ class Pulling(Plotting):
     _to: tuple[float, float] | None = None
 
     @abstractmethod
-    def _changed_motion(self, what: str) -> None:
-        """Keep apart the samples from here on."""
+    def _begin_chunk(self, what: str) -> None:
+        """Begin a new piece of samples."""
 
     @abstractmethod
-    def _mended(self) -> None:
-        """Let a run that was stopped go on, if its state is of use."""
+    def _clear_stop(self) -> None:
+        """Turn a stopped run into a paused one, if its state is of use."""
 
     @abstractmethod
-    def _look(self) -> None:
-        """Show the state as it is now."""
+    def _sample_now(self) -> None:
+        """Take the present state as the sample to show."""
 
     @abstractmethod
-    def _resume(self) -> None:
+    def _restart_clock(self) -> None:
         """Count time from the state that is shown."""
 
     def allow_pulls(self, made: Structure | None = None) -> System | None:
-        """Go on in the same state by a module that has a place for a pull. The system whose module
-        is to be made first, or None; made: the structure of one that is there, beside that of the
-        run."""
+        """Switch to a module that has a place for a pull, in the same state. Returns the system
+        whose module is to be made first, or None; made: the structure of a module that is there,
+        beside that of the run."""
         live = self.live
         if live.pulls:
             return None
-        here, wanted = live.system.structure, with_place(live.system)
+        here, wanted = live.system.structure, with_idle_support(live.system)
         if wanted.structure not in (made, here):
             return wanted
         model = build_fastest(wanted.structure)
         live.allow_pulls(model)
         self.model = model
 
-        def wide(p: Array) -> Array:
-            return widened(p, here, wanted.structure, live.p)
+        def with_pull_parameters(p: Array) -> Array:
+            return widen_parameters(p, here, wanted.structure, live.p)
 
-        self.store = self.store.widened(live.works, wide)
-        self.store.change(live.p, live.given)
+        self.store = self.store.widen(live.works, with_pull_parameters)
+        self.store.set_parameters(live.p, live.given)
         self.catalogue = Catalogue(wanted, self.model, (PULL,))
         self.plots = {name: Plot(one.spec, self.catalogue) for name, one in self.plots.items()}
         if self.past is not None:
-            self.past = self.store.near(float(self.past.t[-1]))
-        self._anew()
-        self.page.structure_changed()
-        self._changed()
+            self.past = self.store.nearest(float(self.past.t[-1]))
+        self._resend_all()
+        self.page.reset_texts()
+        self._notify_page()
         return None
 
-    def _anew(self) -> None:
-        """Show the state, and all that is kept, as if nothing had been shown."""
-        self._look()
-        self.page.restarted(self.plots)
+    def _resend_all(self) -> None:
+        """Send the page the present state and all samples anew."""
+        self._sample_now()
+        self.page.reset_run(self.plots)
         for plot in self.plots.values():
             plot.beside = self.ghost
-            self.page.added(plot, self.store.chunks())
+            self.page.add_plot(plot, self.store.chunks())
 
-    def back_to(self, mark: Mark) -> None:
-        """Go on from the last sample before a kick or a pull; what came after it is forgotten."""
-        sample = self.store.back_to(mark.t)
-        self.marks.back_to(mark)
+    def go_back_to(self, mark: ChangeMark) -> None:
+        """Go back to the last sample before a kick or a pull; what came after it is forgotten."""
+        sample = self.store.truncate(mark.t)
+        self.marks.drop_from(mark)
         self.live.go_back(Samples(sample.t, sample.y, sample.work), sample.p, sample.given)
-        self._changed_motion("")
-        self._anew()
-        self._resume()
-        self._mended()
+        self._begin_chunk("")
+        self._resend_all()
+        self._restart_clock()
+        self._clear_stop()
 
     def kick(self, link: int, share: float, impulse: tuple[float, float]) -> None:
         """Kick a link by an impulse [N s]."""
         self.live.kick(link, share, impulse)
-        self._changed_motion(f"kick ({impulse[0]:.4g}, {impulse[1]:.4g}) N s upon link {link}")
+        self._begin_chunk(f"kick ({impulse[0]:.4g}, {impulse[1]:.4g}) N s upon link {link}")
         self.undo.note_mark(self.live.system, self.marks.every[-1])
-        self._mended()
+        self._clear_stop()
 
     def pull(self, pull: Pull) -> None:
-        """Pull the rod from here on, where that is allowed. Raises InputError."""
+        """Pull the rod from here on, by a module that allows it. Raises InputError."""
         self._to = None
         self.live.pull(pull)
-        self._changed_motion(f"pull at link {pull.link} by {pull.stiffness:.4g} N/m")
+        self._begin_chunk(f"pull at link {pull.link} by {pull.stiffness:.4g} N/m")
         self.undo.note_mark(self.live.system, self.marks.every[-1])
-        self._mended()
+        self._clear_stop()
 
     def move_pull(self, to: tuple[float, float]) -> None:
         """Move the far end of the pull, if there is one, before the next frame."""
         self._to = to
 
-    def let_go(self) -> None:
+    def release_pull(self) -> None:
         """End the pull, if there is one."""
         if self.live.pulling is not None:
             self._follow_hand()
             self.live.pull(None)
-            self._changed_motion("pull ends")
-            self._changed()
+            self._begin_chunk("pull ends")
+            self._notify_page()
 
     def _follow_hand(self) -> None:
-        """Have the far end where it was moved to. Raises InputError."""
+        """Move the far end of the pull to where the hand is. Raises InputError."""
         to, self._to = self._to, None
         now = self.live.pulling
         if now is not None and to is not None and to != now.to:
             self.live.pull(replace(now, to=to))
-            self._changed_motion("")
-            self.page.moved()
+            self._begin_chunk("")
+            self.page.invalidate_picture()

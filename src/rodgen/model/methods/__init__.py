@@ -9,13 +9,13 @@ from pkgutil import iter_modules
 from rodgen.model.method import Method
 
 
-def _listed() -> dict[str, Method]:
+def _load_methods() -> dict[str, Method]:
     names = [module.name for module in iter_modules(__path__)]
     found = {n: replace(import_module(f"{__name__}.{n}").METHOD, name=n) for n in names}
     return dict(sorted(found.items(), key=lambda pair: (pair[1].place, pair[0])))
 
 
-METHODS = _listed()
+METHODS = _load_methods()
 FIXED_STEP = tuple(name for name, method in METHODS.items() if method.steps == "fixed")
 ADAPTIVE = tuple(name for name, method in METHODS.items() if method.steps != "fixed")
 # Adaptive methods that take equal steps where a step is given.

@@ -1,6 +1,6 @@
 """Collocation at Radau's three points with the end among them (Radau IIA): L-stable."""
 
-from rodgen.model.method import Collocation, Method
+from rodgen.model.method import CollocationRule, Method
 
 METHOD = Method(
     place=7,
@@ -9,7 +9,7 @@ METHOD = Method(
     implicit=True,
     about="implicit, L-stable, error control, dense output of order 4: for strong damping",
     citation="E. Hairer, G. Wanner: Solving Ordinary Differential Equations II, IV.8",
-    collocation=Collocation(powers=(2, 3), power=5, weight=4.5),
+    collocation=CollocationRule(powers=(2, 3), power=5, weight=4.5),
     scipy="Radau",
     compiled=True,
 )

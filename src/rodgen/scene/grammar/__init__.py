@@ -1,4 +1,4 @@
-"""The grammar of expressions: which texts are allowed, what they are worth, and their code.
+"""Grammar of expressions: which texts are allowed, their values, and their code.
 
     numbers, the variable, names of numbers, pi, + - * / **, comparisons, `a if c else b`,
     sin cos tan exp log sqrt abs min max tanh, interp(x, [knots], [values]) and, as a monotone
@@ -9,28 +9,41 @@ The text is parsed to a syntax tree (which runs nothing), every node of it is ch
 the list above, and the tree is walked to compute values, to find break points and to print code.
 """
 
-from rodgen.scene.grammar.advice import advice, mistake
-from rodgen.scene.grammar.affine import core, scale_and_offset
-from rodgen.scene.grammar.calculus import Pair, conditions, derivative, divisors, kinks, tables_of
-from rodgen.scene.grammar.code import NUMPY, Language, source_of
-from rodgen.scene.grammar.substitution import in_brief, with_names, with_values
-from rodgen.scene.grammar.syntax import (
+from rodgen.scene.grammar.affine import affine_core, scale_and_offset
+from rodgen.scene.grammar.code_generation import NUMPY, Language, to_source
+from rodgen.scene.grammar.derivatives import (
+    Pair,
+    conditions,
+    derivative,
+    divisors,
+    kinks,
+    tables_in_variable,
+)
+from rodgen.scene.grammar.evaluation import (
+    Functions,
+    constant_parts,
+    evaluate,
+    is_whole_number,
+    table_numbers,
+)
+from rodgen.scene.grammar.substitution import abbreviate, replace_names, replace_numbers
+from rodgen.scene.grammar.suggestions import suggest, syntax_error
+from rodgen.scene.grammar.syntax_tree import (
     MOST_KNOTS,
+    InterpolationTable,
     Sensor,
-    Table,
-    check,
+    check_tree,
     children,
+    find_tables,
     is_table,
     names_in,
     parse,
     sensors_in,
     signals_in,
+    table_in_call,
     table_names,
-    table_of,
-    tables,
 )
 from rodgen.scene.grammar.table_data import TableData
-from rodgen.scene.grammar.values import Functions, constants, data_of, is_whole, value_of
 from rodgen.scene.grammar.vocabulary import ALLOWED, CUBIC, FUNCTIONS, LINEAR, SENSED, SLOPE, TABLE
 
 __all__ = [
@@ -44,36 +57,36 @@ __all__ = [
     "SLOPE",
     "TABLE",
     "Functions",
+    "InterpolationTable",
     "Language",
     "Pair",
     "Sensor",
-    "Table",
     "TableData",
-    "advice",
-    "check",
+    "abbreviate",
+    "affine_core",
+    "check_tree",
     "children",
     "conditions",
-    "constants",
-    "core",
-    "data_of",
+    "constant_parts",
     "derivative",
     "divisors",
-    "in_brief",
+    "evaluate",
+    "find_tables",
     "is_table",
-    "is_whole",
+    "is_whole_number",
     "kinks",
-    "mistake",
     "names_in",
     "parse",
+    "replace_names",
+    "replace_numbers",
     "scale_and_offset",
     "sensors_in",
     "signals_in",
-    "source_of",
+    "suggest",
+    "syntax_error",
+    "table_in_call",
     "table_names",
-    "table_of",
-    "tables",
-    "tables_of",
-    "value_of",
-    "with_names",
-    "with_values",
+    "table_numbers",
+    "tables_in_variable",
+    "to_source",
 ]

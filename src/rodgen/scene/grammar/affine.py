@@ -1,4 +1,4 @@
-"""What of a tree changes, apart from the numbers that it is multiplied by and that are added."""
+"""Splitting of a tree into a*core + b, of which the core alone changes."""
 
 from __future__ import annotations
 
@@ -7,18 +7,18 @@ from collections.abc import Mapping
 from functools import lru_cache
 from typing import Any
 
-from rodgen.scene.grammar.syntax import names_in
-from rodgen.scene.grammar.values import value_of
+from rodgen.scene.grammar.evaluation import evaluate
+from rodgen.scene.grammar.syntax_tree import names_in
 
-# The kind of a step from the inside out, and the tree of its number.
+# An affine step: its operator, and the tree of its number, None for a sign.
 Step = tuple[type[ast.operator] | type[ast.unaryop], ast.expr | None]
 
 
 @lru_cache(maxsize=256)
-def core(node: ast.expr, changing: frozenset[str]) -> tuple[ast.expr, tuple[Step, ...]]:
-    """The part of a tree that changes with some names, and the steps from the whole to it."""
+def affine_core(node: ast.expr, changing: frozenset[str]) -> tuple[ast.expr, tuple[Step, ...]]:
+    """Innermost part of a tree with all that changes with some names, and the steps to it."""
 
-    def fixed(part: ast.expr) -> bool:
+    def is_constant(part: ast.expr) -> bool:
         return changing.isdisjoint(names_in(part))
 
     steps: list[Step] = []
@@ -28,11 +28,13 @@ def core(node: ast.expr, changing: frozenset[str]) -> tuple[ast.expr, tuple[Step
                 steps.append((type(op), None))
             case ast.BinOp(
                 left=inner, op=ast.Add() | ast.Sub() | ast.Mult() | ast.Div() as op, right=by
-            ) if fixed(by):
+            ) if is_constant(by):
                 steps.append((type(op), by))
-            case ast.BinOp(left=by, op=ast.Add() | ast.Mult() as op, right=inner) if fixed(by):
+            case ast.BinOp(left=by, op=ast.Add() | ast.Mult() as op, right=inner) if is_constant(
+                by
+            ):
                 steps.append((type(op), by))
-            case ast.BinOp(left=by, op=ast.Sub(), right=inner) if fixed(by):
+            case ast.BinOp(left=by, op=ast.Sub(), right=inner) if is_constant(by):
                 steps += ((ast.Add, by), (ast.USub, None))
             case _:
                 return node, tuple(steps)
@@ -40,10 +42,10 @@ def core(node: ast.expr, changing: frozenset[str]) -> tuple[ast.expr, tuple[Step
 
 
 def scale_and_offset(steps: tuple[Step, ...], names: Mapping[str, Any]) -> tuple[float, float]:
-    """a and b of what the whole is, a times its core plus b, by the values of its names."""
+    """Coefficients a and b of the whole, a*core + b, by the values of its names."""
     a, b = 1.0, 0.0
     for kind, part in steps:
-        value = float(value_of(part, names)) if part is not None else 1.0
+        value = float(evaluate(part, names)) if part is not None else 1.0
         if kind is ast.USub:
             a = -a
         elif kind is ast.Mult:

@@ -80,17 +80,17 @@ class TableData:
         if len(self) <= MOST:
             return self.knots
         least = BEND * np.ptp(self.values)
-        kept, open_parts = {0, len(self) - 1}, [self._bend(0, len(self) - 1)]
+        kept, open_parts = {0, len(self) - 1}, [self._farthest_row(0, len(self) - 1)]
         while open_parts and len(kept) < MOST:
             bend, first, at, last = heappop(open_parts)
             if -bend <= least:
                 break
             kept.add(at)
-            heappush(open_parts, self._bend(first, at))
-            heappush(open_parts, self._bend(at, last))
+            heappush(open_parts, self._farthest_row(first, at))
+            heappush(open_parts, self._farthest_row(at, last))
         return self.knots[sorted(kept)]
 
-    def _bend(self, first: int, last: int) -> tuple[float, int, int, int]:
+    def _farthest_row(self, first: int, last: int) -> tuple[float, int, int, int]:
         """Return the largest distance of rows from their chord, negative for a heap, and where it
         is."""
         x, y = self.knots[first : last + 1], self.values[first : last + 1]

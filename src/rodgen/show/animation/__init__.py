@@ -1,1 +1,1 @@
-"""A run as a film: MP4 or GIF."""
+"""Films of a run: MP4 or GIF."""

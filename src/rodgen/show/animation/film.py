@@ -14,14 +14,14 @@ from numpy.typing import NDArray
 from rodgen.arrays import Array
 from rodgen.errors import InputError
 from rodgen.integrate import Solution
-from rodgen.integrate.files import replaced
+from rodgen.integrate.files import atomic_write
 from rodgen.scene import Scene
-from rodgen.show.animation.files import check_file, writer
-from rodgen.show.animation.motion import Motion, camera, ground, motion
-from rodgen.show.animation.stage import GRID, Arrows, Stage
-from rodgen.show.animation.times import Plan, Settings, plan
+from rodgen.show.animation.film_files import check_file, open_writer
+from rodgen.show.animation.frame_times import FilmSettings, FramePlan, plan_frames
+from rodgen.show.animation.motion import MotionSamples, choose_camera, ground_grid, sample_motion
+from rodgen.show.animation.stage import GRID, LoadArrows, Stage
 from rodgen.show.canvas import BED, BODY, CENTRE, EDGE, FIXED, INK, MOMENTS, PAPER, TAIL
-from rodgen.show.rod_marks import first_end
+from rodgen.show.rod_marks import start_name
 
 LARGEST = 1e15  # of any state: beyond, a double has no digits left for the shape
 PALETTE = 8  # frames from which a GIF has its colours
@@ -35,8 +35,8 @@ SUPPORTS = {"none": ("o", 6.5), "pin": ("^", 11.0), "wall": ("s", 10.0)}  # mark
 
 @dataclass(frozen=True)
 class Film:
-    """What was written: frames, seconds of film, simulated seconds in one of them, the view, and
-    what is to be said of it."""
+    """A film that was written. frames: how many; seconds: its length [s]; speed: simulated seconds
+    in a second of film; view: one of VIEWS; notes: on what could not be drawn as asked."""
 
     frames: int
     seconds: float
@@ -57,45 +57,47 @@ def animate(
     bounds: tuple[float | None, float | None] = (None, None),
     progress: Progress | None = None,
 ) -> Film:
-    """Write an animation of a solution, .mp4 or .gif, whole or not at all; see Settings.
+    """Write an animation of a solution, .mp4 or .gif, whole or not at all; see FilmSettings.
 
     progress is told the simulated time [s] of every frame; what it raises ends the work. Can be
     called in any thread. Raises InputError for what cannot be used.
     """
-    settings = Settings(fps, speed, view, width, height, bounds)
-    return film(solution.t, solution.taken, path, settings, progress)
+    settings = FilmSettings(fps, speed, view, width, height, bounds)
+    return write_film(solution.t, solution.isel, path, settings, progress)
 
 
-def film(
+def write_film(
     t: Array,
     at: Callable[[NDArray[np.intp]], Solution],
     path: Path,
-    settings: Settings,
+    settings: FilmSettings,
     progress: Progress | None = None,
 ) -> Film:
-    """Write an animation of a run with samples at times t [s], (T,), of which `at` gives those that
-    are asked for by their numbers."""
+    """Write an animation of a run with samples at times t [s], (T,); at: returns those of given
+    numbers."""
     path = Path(path)
     check_file(path, settings)
-    planned = plan(t, settings)
+    planned = plan_frames(t, settings)
     solution = at(planned.kept)
-    frames, notes = _drawable(solution, planned)
-    moved = motion(solution.until(int(frames[-1]) + 1))
-    picture = Picture(moved, solution.scene, settings, planned.speed)
+    frames, notes = _drawable_frames(solution, planned)
+    moved = sample_motion(solution.head(int(frames[-1]) + 1))
+    picture = FrameRenderer(moved, solution.scene, settings, planned.speed)
     with (
-        replaced(path, "--out") as part,
-        writer(part, path.suffix.lower(), settings, lambda: _colours(picture, frames)) as add,
+        atomic_write(path, "--out") as part,
+        open_writer(
+            part, path.suffix.lower(), settings, lambda: _palette_frames(picture, frames)
+        ) as add,
     ):
         for k, when in zip(frames, planned.times, strict=False):
-            add(picture.pixels(int(k), float(when)))
+            add(picture.render(int(k), float(when)))
             if progress:
                 progress(float(when))
     count = len(frames)
     return Film(count, count / settings.fps, planned.speed, picture.camera.view, tuple(notes))
 
 
-def _drawable(solution: Solution, planned: Plan) -> tuple[NDArray[np.intp], list[str]]:
-    """Frames before a run blows up, by number of their sample, and what is to be said of them."""
+def _drawable_frames(solution: Solution, planned: FramePlan) -> tuple[NDArray[np.intp], list[str]]:
+    """Return the frames before a run blows up, by number of their sample, and notes on them."""
     notes = []
     good = np.all(np.abs(solution.y) <= LARGEST, axis=1)
     bad = len(good) if good.all() else int(good.argmin())
@@ -112,70 +114,78 @@ def _drawable(solution: Solution, planned: Plan) -> tuple[NDArray[np.intp], list
     return frames, notes
 
 
-def _colours(picture: Picture, frames: NDArray[np.intp]) -> NDArray[np.uint8]:
-    """Some frames of a film, one above the other."""
+def _palette_frames(picture: FrameRenderer, frames: NDArray[np.intp]) -> NDArray[np.uint8]:
+    """Draw some frames of a film, one above the other."""
     some = frames[np.unique(np.linspace(0, len(frames) - 1, PALETTE).round().astype(int))]
-    return np.concatenate([picture.pixels(int(k), 0.0) for k in some])
+    return np.concatenate([picture.render(int(k), 0.0) for k in some])
 
 
-class Picture:
-    """Frames of a film: pixels(k, t) is that of sample k at time t.
+class FrameRenderer:
+    """Drawing of the frames of a film: pixels(k, t) is that of sample k at time t.
 
     Like all of matplotlib's figures it belongs to one thread; it shares nothing with others.
     """
 
-    def __init__(self, motion: Motion, scene: Scene, settings: Settings, speed: float):
+    def __init__(self, motion: MotionSamples, scene: Scene, settings: FilmSettings, speed: float):
         self._stage = stage = Stage(settings)
-        self.camera = camera(motion, settings.view, stage.aspect, scene.rod.length)
+        self.camera = choose_camera(motion, settings.view, stage.aspect, scene.rod.length)
         stage.set_limits(self.camera)
         self._step = stage.grid_step
         stage.set_title(scene, speed)
         stage.add_colours(motion.label, motion.bending_limit, float(np.abs(motion.bending).max()))
         self._motion, self._trail = motion, TRAIL * speed
-        self._joints = self.camera.seen(motion.joints)
-        self._centre = self.camera.seen(motion.centre)
-        self._arrows = Arrows(motion, self.camera, stage)
-        self._hold = SUPPORTS[scene.hold.support]
+        self._joints = self.camera.to_picture(motion.joints)
+        self._centre = self.camera.to_picture(motion.centre)
+        self._arrows = LoadArrows(motion, self.camera, stage)
+        self._hold = SUPPORTS[scene.boundary_condition.start_symbol]
         bodies = bool(scene.bodies)
         stage.add_legend(
-            (self._hold[0], first_end(scene)), bodies, self._arrows.names, self.camera.view
+            (self._hold[0], start_name(scene)), bodies, self._arrows.names, self.camera.view
         )
         self._digits = min(max(2, math.ceil(-math.log10(speed / settings.fps))), 12)
         self._add_moving(scene)
-        self._still = stage.background()
+        self._still = stage.draw_background()
 
     def _add_moving(self, scene: Scene) -> None:
-        """The artists that are drawn in every frame."""
+        """Add the artists that are drawn in every frame."""
         stage, n, limit = self._stage, scene.rod.links, self._motion.bending_limit
-        self._ground = stage.line(**GRID)
-        self._trails = [stage.line(color, linewidth=1.1, alpha=0.75) for color in (TAIL, CENTRE)]
+        self._ground = stage.add_line(**GRID)
+        self._trails = [
+            stage.add_line(color, linewidth=1.1, alpha=0.75) for color in (TAIL, CENTRE)
+        ]
         # Behind a rod that is pale where it is not bent.
-        self._edge = stage.line(EDGE, linewidth=ROD + EDGES, solid_capstyle="round")
-        self._rod = stage.lines(linewidth=ROD, capstyle="round", cmap=MOMENTS, clim=(-limit, limit))
+        self._edge = stage.add_line(EDGE, linewidth=ROD + EDGES, solid_capstyle="round")
+        self._rod = stage.add_lines(
+            linewidth=ROD, capstyle="round", cmap=MOMENTS, clim=(-limit, limit)
+        )
         self._rod.set_snap(False)  # to whole pixels, in which a bent rod has steps
         # Views of one array are drawn: new paths in every frame would take most of its time.
         self._halves = np.zeros((2 * n, 2, 2))
         self._rod.set_segments(list(self._halves))
         self._bodies = [
-            (mark, stage.mark(("o", LARGEST_BODY * mark.size), BODY, INK))
-            for mark in scene.distribution.marks
+            (mark, stage.add_mark(("o", LARGEST_BODY * mark.size), BODY, INK))
+            for mark in scene.distribution.body_outlines
         ]
         self._anchors = scene.anchors
-        self._bed = stage.line(BED, linewidth=9.0)
+        self._bed = stage.add_line(BED, linewidth=9.0)
         self._ties = [
-            (tie, stage.line(INK, linewidth=1.2, linestyle=":"), stage.mark(("^", 8.0), FIXED, INK))
-            for tie in self._anchors.ties
+            (
+                tie,
+                stage.add_line(INK, linewidth=1.2, linestyle=":"),
+                stage.add_mark(("^", 8.0), FIXED, INK),
+            )
+            for tie in self._anchors.support_points
         ]
-        self._inner = stage.mark(("o", 3.6), PAPER, INK)
-        self._start = stage.mark(self._hold, INK, INK)
-        self._tail = stage.mark(("o", 6.0), TAIL, INK)
-        self._middle = stage.mark(("o", 6.5), PAPER, CENTRE, 2.2)
-        self._clock = stage.clock()
+        self._inner = stage.add_mark(("o", 3.6), PAPER, INK)
+        self._start = stage.add_mark(self._hold, INK, INK)
+        self._tail = stage.add_mark(("o", 6.0), TAIL, INK)
+        self._middle = stage.add_mark(("o", 6.5), PAPER, CENTRE, 2.2)
+        self._clock = stage.add_clock()
         link = scene.rod.length / n * stage.pixels_per_metre(self.camera)
         self._dotted = link * 72 / stage.figure.dpi >= LEAST_LINK
 
-    def pixels(self, k: int, t: float) -> NDArray[np.uint8]:
-        """The frame that shows sample k, with the time t [s] as text: (height, width, 4) of red,
+    def render(self, k: int, t: float) -> NDArray[np.uint8]:
+        """Draw the frame of sample k, with the time t [s] as text: (height, width, 4) of red,
         green, blue, alpha; overwritten by the next."""
         stage = self._stage
         stage.canvas.restore_region(self._still)
@@ -197,7 +207,7 @@ class Picture:
     def _show_ground(self, k: int) -> None:
         seen = self.camera
         reach = float(np.hypot(*seen.half))
-        self._show(self._ground, ground(seen.origin[k], seen.angle_of(k), self._step, reach))
+        self._show(self._ground, ground_grid(seen.origin[k], seen.angle_of(k), self._step, reach))
 
     def _show_trails(self, k: int) -> None:
         t = self._motion.t
@@ -205,19 +215,19 @@ class Picture:
         for line, path in zip(
             self._trails, (self._motion.joints[:, -1], self._motion.centre), strict=True
         ):
-            self._show(line, self.camera.seen_at(k, path[first : k + 1]))
+            self._show(line, self.camera.to_picture_at(k, path[first : k + 1]))
 
     def _show_anchors(self, k: int) -> None:
-        self._show(self._bed, self.camera.seen_at(k, self._anchors.bed))
+        self._show(self._bed, self.camera.to_picture_at(k, self._anchors.foundation_line))
         for tie, spring, fixed in self._ties:
-            way = self.camera.seen_at(k, tie.way(self._motion.joints[k]))
+            way = self.camera.to_picture_at(k, tie.segment(self._motion.joints[k]))
             self._show(spring, way)
             self._show(fixed, way[1:])
 
     def _show_rod(self, k: int) -> None:
         joints, bending = self._joints[k], self._motion.bending[k]
         self._show(self._edge, joints)
-        self._halves[:] = halves(joints)
+        self._halves[:] = half_links(joints)
         # The bending of a joint colours the halves of the links that meet there.
         self._rod.set_array(np.repeat(bending, 2)[1:-1])
         self._stage.axes.draw_artist(self._rod)
@@ -226,11 +236,11 @@ class Picture:
         self._show(self._start, joints[:1])
         self._show(self._tail, joints[-1:])
         for mark, disc in self._bodies:
-            self._show(disc, mark.places(joints)[None])
+            self._show(disc, mark.positions(joints)[None])
 
 
-def halves(joints: Array) -> Array:
-    """Halves of the links between joints (n+1, 2): (2n, 2, 2)."""
+def half_links(joints: Array) -> Array:
+    """Split the links between joints (n+1, 2) into halves: (2n, 2, 2)."""
     points: Array = np.empty((2 * len(joints) - 1, 2))
     points[::2] = joints
     points[1::2] = (joints[:-1] + joints[1:]) / 2

@@ -1,4 +1,4 @@
-"""What an animation shows of a solution, as arrays over its samples, and from where it is seen."""
+"""Motion of a rod as an animation shows it, in arrays over its samples; and the camera."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ LEAST = 1e-300  # N
 FAR = 1e5  # beyond so many times what is seen, coordinates are told from a point nearby
 
 
-class Load(NamedTuple):
+class LoadSamples(NamedTuple):
     """A force [N] and the point on which it acts [m], both (S, 2)."""
 
     point: Array
@@ -29,10 +29,10 @@ class Load(NamedTuple):
 
 
 @dataclass(frozen=True)
-class Motion:
-    """t: times [s], (S,); joints: positions [m], (S, n+1, 2); centre: of gravity [m], (S, 2);
-    axis: angle of the principal axis of the smaller moment, without jumps [rad], (S,); bending:
-    in every joint, (S, n+1), and what it is called; loads: by their terms."""
+class MotionSamples:
+    """Motion at every sample. t: times [s], (S,); joints: [m], (S, n+1, 2); centre: of gravity [m],
+    (S, 2); axis: angle of the principal axis of the smaller moment, without jumps [rad], (S,);
+    bending: in every joint, (S, n+1), and label, its name; loads: by their terms."""
 
     t: Array
     joints: Array
@@ -40,25 +40,25 @@ class Motion:
     axis: Array
     bending: Array
     label: str
-    loads: dict[str, Load]
+    loads: dict[str, LoadSamples]
 
     @property
     def bending_limit(self) -> float:
-        """The bending at which the colours end: a blow-up at the end is not to hide the rest."""
+        """Bending at which the colours end: a blow-up at the end is not to hide the rest."""
         largest = np.abs(self.bending).max(axis=1)
         most, all_of_it = float(np.quantile(largest, COVERED)), float(largest.max())
         return most if 0 < most < all_of_it / OUTLIER else all_of_it or 1.0
 
 
-def motion(solution: Solution) -> Motion:
-    """Everything that is drawn, of every sample of a solution."""
+def sample_motion(solution: Solution) -> MotionSamples:
+    """Compute everything that is drawn, at every sample of a solution."""
     with np.errstate(all="ignore"):
         bending, label = _bending(solution)
-        return Motion(
+        return MotionSamples(
             solution.t,
             solution.joints,
             solution.centre_of_gravity,
-            _axis(solution),
+            _principal_angle(solution),
             np.nan_to_num(bending),
             label,
             _loads(solution),
@@ -66,21 +66,21 @@ def motion(solution: Solution) -> Motion:
 
 
 def _bending(solution: Solution) -> tuple[Array, str]:
-    """Bending moments, or the curvature of a rod without stiffness, in every joint, (S, n+1)."""
+    """Return moments (curvatures without stiffness) in every joint, (S, n+1), and their label."""
     links = solution.scene.rod.links
-    uneven = "stiffness" in solution.scene.structure.uneven
-    if solution.parameter("joint_stiffness" if uneven else "bending_stiffness").any():
+    nonuniform = "stiffness" in solution.scene.structure.nonuniform
+    if solution.parameter("joint_stiffness" if nonuniform else "bending_stiffness").any():
         return solution.bending_moments, "bending moment [N m]"
     curvature = np.zeros((len(solution.t), links + 1))
-    springs = solution.scene.hold.springs(links)
+    springs = solution.scene.boundary_condition.spring_joints(links)
     if springs:
         curvature[:, springs.start : springs.stop] = solution.values("curvature")
     return curvature, "curvature [1/m]"
 
 
-def _axis(solution: Solution) -> Array:
-    """An axis has no direction: it is followed from sample to sample, and points from tail to
-    nose at the start."""
+def _principal_angle(solution: Solution) -> Array:
+    """Return the angle of the principal axis [rad], (S,). An axis has no direction: it is followed
+    from sample to sample, and points from tail to nose at the start."""
     angle: Array = np.unwrap(solution.principal_axes.angle, period=np.pi)
     rod = solution.joints[0, 0] - solution.joints[0, -1]
     along = np.array([np.cos(angle[0]), np.sin(angle[0])]) @ rod
@@ -88,8 +88,8 @@ def _axis(solution: Solution) -> Array:
 
 
 def _mass(solution: Solution) -> Array:
-    """Mass of the rod with its bodies at every sample, (T,)."""
-    if "link_mass" in solution.scene.structure.spans:
+    """Return the mass of the rod with its bodies at every sample, (T,)."""
+    if "link_mass" in solution.scene.structure.index_ranges:
         total: Array = solution.parameter("link_mass").sum(axis=1)
         return total
     scene = solution.scene
@@ -98,28 +98,28 @@ def _mass(solution: Solution) -> Array:
     return solution.parameter("mass")
 
 
-def _loads(solution: Solution) -> dict[str, Load]:
-    """Weight at the centre of gravity, and forces on joints as a whole, in the middle of them."""
+def _loads(solution: Solution) -> dict[str, LoadSamples]:
+    """Return the weight and the resultants of the forces on joints, with their points of action."""
     found = {}
     for name in solution.scene.loads.terms:
         kind = TERMS[name].kind
         if kind == WEIGHT:
             force = np.zeros_like(solution.centre_of_gravity)
             force[:, 1] = -solution.parameter(name) * _mass(solution)
-            found[name] = Load(solution.centre_of_gravity, force)
+            found[name] = LoadSamples(solution.centre_of_gravity, force)
         elif kind in (FORCE, SPREAD):
             forces = solution.forces[name]
             sizes = np.linalg.norm(forces, axis=-1, keepdims=True)
             shares = sizes / np.maximum(sizes.sum(axis=1, keepdims=True), LEAST)
-            found[name] = Load((shares * solution.joints).sum(axis=1), forces.sum(axis=1))
+            found[name] = LoadSamples((shares * solution.joints).sum(axis=1), forces.sum(axis=1))
     return found
 
 
 @dataclass(frozen=True)
 class Camera:
-    """origin: the point of the world that is zero in the picture, (S, 2); angle: by which the
-    picture is turned against the world [rad], (S,); middle and half: of what is seen, in the
-    picture's metres, (2,); view: one of VIEWS."""
+    """View of a motion. origin: the point of the world that is zero in the picture, (S, 2); angle:
+    by which the picture is turned against the world [rad], (S,); middle and half: of what is seen,
+    in the picture's metres, (2,); view: one of VIEWS."""
 
     view: str
     origin: Array
@@ -127,13 +127,13 @@ class Camera:
     middle: Array
     half: Array
 
-    def seen(self, points: Array) -> Array:
-        """Points of the world (S, ..., 2) in the picture."""
+    def to_picture(self, points: Array) -> Array:
+        """Transform points of the world (S, ..., 2) into the picture."""
         shape = len(points), *(1,) * (points.ndim - 2), 2
-        return self.turned(points - self.origin.reshape(shape))
+        return self.rotate(points - self.origin.reshape(shape))
 
-    def turned(self, vectors: Array) -> Array:
-        """Vectors of the world (S, ..., 2) in the picture."""
+    def rotate(self, vectors: Array) -> Array:
+        """Rotate vectors of the world (S, ..., 2) into the picture."""
         if self.view != "axes":
             return vectors
         shape = len(vectors), *(1,) * (vectors.ndim - 2)
@@ -142,32 +142,34 @@ class Camera:
         return np.stack((cos * x + sin * y, cos * y - sin * x), axis=-1)
 
     def angle_of(self, k: int) -> float:
-        """By how much the picture of sample k is turned against the world [rad]."""
+        """Return the angle by which the picture of sample k is turned against the world [rad]."""
         return float(self.angle[k]) if self.view == "axes" else 0.0
 
-    def seen_at(self, k: int, points: Array) -> Array:
-        """Points of the world (P, 2) in the picture of sample k."""
+    def to_picture_at(self, k: int, points: Array) -> Array:
+        """Transform points of the world (P, 2) into the picture of sample k."""
         x, y = (points - self.origin[k]).T
         cos, sin = math.cos(self.angle_of(k)), math.sin(self.angle_of(k))
         return np.stack((cos * x + sin * y, cos * y - sin * x), axis=-1)
 
 
-def camera(motion: Motion, view: str | None, aspect: float, length: float) -> Camera:
-    """The camera of a view, which is chosen where it is None; aspect: width over height of what
-    is seen; length: of the rod [m]."""
+def choose_camera(motion: MotionSamples, view: str | None, aspect: float, length: float) -> Camera:
+    """Make the camera of a view, chosen where it is None; aspect: width over height of what is
+    seen; length: of the rod [m]."""
     if view is not None:
-        return _camera(motion, view, aspect)
-    fixed = _camera(motion, "fixed", aspect)
+        return _make_camera(motion, view, aspect)
+    fixed = _make_camera(motion, "fixed", aspect)
     return (
-        fixed if length >= 2 * SMALLEST_ROD * fixed.half[1] else _camera(motion, "centre", aspect)
+        fixed
+        if length >= 2 * SMALLEST_ROD * fixed.half[1]
+        else _make_camera(motion, "centre", aspect)
     )
 
 
-def _camera(motion: Motion, view: str, aspect: float) -> Camera:
+def _make_camera(motion: MotionSamples, view: str, aspect: float) -> Camera:
     zero = np.zeros(2)
     origin = motion.centre if view != "fixed" else np.zeros_like(motion.centre)
     rough = Camera(view, origin, motion.axis, zero, zero)
-    points = rough.seen(motion.joints).reshape(-1, 2)
+    points = rough.to_picture(motion.joints).reshape(-1, 2)
     low, high = points.min(axis=0), points.max(axis=0)
     middle, half = (low + high) / 2, (high - low) / 2
     if view != "fixed":  # the centre of gravity stays in the middle
@@ -175,21 +177,21 @@ def _camera(motion: Motion, view: str, aspect: float) -> Camera:
     height = max(half[1], half[0] / aspect) * MARGIN[bool(motion.loads)]
     around = np.array([aspect * height, height])
     if np.abs(middle).max() > FAR * height:
-        near = _short(middle, height)
+        near = _round_point(middle, height)
         return Camera(view, origin + near, motion.axis, middle - near, around)
     return Camera(view, origin, motion.axis, middle, around)
 
 
-def _short(point: Array, size: float) -> Array:
-    """A point not far from this one, for what is of this size, in round numbers."""
+def _round_point(point: Array, size: float) -> Array:
+    """Round a point to whole units of a power of ten, the first not below this size."""
     unit = 10.0 ** math.ceil(math.log10(size))
     near: Array = unit * np.round(point / unit)
     return near
 
 
-def ground(origin: Array, angle: float, step: float, reach: float) -> Array:
-    """Lines of the ground grid, a step apart, that pass a picture with this origin and angle
-    within its reach [m], as one line with gaps: (3 lines, 2) in the picture's metres."""
+def ground_grid(origin: Array, angle: float, step: float, reach: float) -> Array:
+    """Return the lines of the ground grid, a step apart, that pass a picture with this origin and
+    angle within its reach [m], as one line with gaps: (3 lines, 2) in the picture's metres."""
     count = math.ceil(reach / step) + 1
     at = step * np.arange(-count, count + 1)
     near = -np.mod(origin, step)

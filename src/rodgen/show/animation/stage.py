@@ -1,4 +1,4 @@
-"""What stands still in an animation, axes, scale, title, colours, legend; and arrows of loads."""
+"""Background of an animation: axes, scale, title, colours, legend; and arrows of loads."""
 
 from __future__ import annotations
 
@@ -21,8 +21,8 @@ from rodgen.arrays import Array
 from rodgen.model.term import FORCE
 from rodgen.model.terms import TERMS
 from rodgen.scene import Scene
-from rodgen.show.animation.motion import Camera, Load, Motion
-from rodgen.show.animation.times import Settings
+from rodgen.show.animation.frame_times import FilmSettings
+from rodgen.show.animation.motion import Camera, LoadSamples, MotionSamples
 from rodgen.show.canvas import BODY, CENTRE, GUIDE, INK, MOMENTS, PAPER, TAIL
 
 GRID: dict[str, Any] = {"color": GUIDE, "alpha": 0.45, "linewidth": 0.7}
@@ -36,12 +36,12 @@ LEAST = 0.02  # of the longest: shorter ones are not drawn
 
 
 class Stage:
-    """A figure of just so many pixels; axes: where the rod is drawn, in equal scales; grid_step:
-    metres between two lines of the grid, along both axes."""
+    """Figure of a film, of just so many pixels. axes: where the rod is drawn, in equal scales;
+    grid_step: metres between two lines of the grid, along both axes."""
 
     grid_step: float
 
-    def __init__(self, settings: Settings):
+    def __init__(self, settings: FilmSettings):
         width, height = settings.width, settings.height
         self.zoom = max(min(width / 1280, height / 720), SMALLEST_LETTERS)
         dots = DOTS_PER_INCH * self.zoom
@@ -64,7 +64,7 @@ class Stage:
         low, high = camera.middle - camera.half, camera.middle + camera.half
         axes.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]))
         axes.update_datalim([low, high])  # by which matplotlib sizes the arrow of the key
-        self.grid_step = _above(SPACING * self.figure.dpi / self.pixels_per_metre(camera))
+        self.grid_step = _round_up(SPACING * self.figure.dpi / self.pixels_per_metre(camera))
         for axis in (axes.xaxis, axes.yaxis):
             axis.set_major_locator(MultipleLocator(self.grid_step))
         axes.tick_params(colors=INK, labelsize=9)
@@ -73,7 +73,7 @@ class Stage:
         if camera.view == "fixed":
             axes.grid(**GRID)
             axes.set_axisbelow(True)
-            names = (_from("x", camera.origin[0, 0]), _from("y", camera.origin[0, 1]))
+            names = (_axis_label("x", camera.origin[0, 0]), _axis_label("y", camera.origin[0, 1]))
         elif camera.view == "centre":
             names = ("x from the centre of gravity [m]", "y from the centre of gravity [m]")
         else:
@@ -82,7 +82,7 @@ class Stage:
         axes.set_ylabel(names[1], color=INK, fontsize=10)
 
     def set_title(self, scene: Scene, speed: float) -> None:
-        """Name of the scene, and how fast the film goes."""
+        """Write the name of the scene, and the speed of the film."""
         left, top = self._place[0], self._place[1] + self._place[3]
         top += 0.12 / self.figure.get_figheight()
         self.figure.text(left, top, scene.name, color=INK, fontsize=14, weight="bold")
@@ -92,9 +92,9 @@ class Stage:
             self.axes.text(0.012, 0.02, shown, color=INK, fontsize=9, **place)
 
     def add_colours(self, label: str, limit: float, largest: float) -> None:
-        """The colour bar; limit: value at its ends; largest: that there is."""
+        """Add the colour bar; limit: value at its ends; largest: value that occurs."""
         colours = ScalarMappable(Normalize(-limit, limit), MOMENTS)
-        (right, low), height = self.panel, self._place[3]
+        (right, low), height = self.panel_corner, self._place[3]
         place = right, low + 0.45 * height, 0.16 / self.figure.get_figwidth(), 0.55 * height
         beyond = "both" if largest > 1.001 * limit else "neither"
         bar = self.figure.colorbar(colours, cax=self.figure.add_axes(place), extend=beyond)
@@ -105,8 +105,8 @@ class Stage:
     def add_legend(
         self, first: tuple[str, str], bodies: bool, loads: Sequence[str], view: str
     ) -> None:
-        """What marks, trails and arrows are, and the grid where no numbers stand at its lines;
-        first: mark and name of joint 0."""
+        """Add a legend of marks, trails and arrows, and of the grid where its lines have no
+        numbers; first: mark and name of joint 0."""
         marks = [
             Line2D([], [], color=INK, linewidth=0, marker=first[0], markersize=6, label=first[1]),
             Line2D([], [], color=TAIL, marker="o", markersize=6, label="tail"),
@@ -124,7 +124,7 @@ class Stage:
             marks.append(line)
         if view != "fixed":
             marks.append(Line2D([], [], color=GUIDE, label=f"grid of {self.grid_step:g} m"))
-        place = self.panel[0], self.panel[1] + KEY / self.figure.get_figheight()
+        place = self.panel_corner[0], self.panel_corner[1] + KEY / self.figure.get_figheight()
         self.figure.legend(
             handles=marks,
             loc="lower left",
@@ -137,62 +137,66 @@ class Stage:
         )
 
     def pixels_per_metre(self, camera: Camera) -> float:
-        """Scale of the picture."""
+        """Return the scale of the picture."""
         return self.size[1] / (2 * float(camera.half[1]))
 
-    def lines(self, **style: Any) -> LineCollection:
-        """Lines that are drawn when they are told to, as are those below."""
+    def add_lines(self, **style: Any) -> LineCollection:
+        """Add lines that are drawn on request, as are all artists that follow."""
         made = LineCollection([], animated=True, **style)
         self.axes.add_collection(made, autolim=False)
         return made
 
-    def line(self, color: str, **style: Any) -> Line2D:
-        """One line through many points."""
+    def add_line(self, color: str, **style: Any) -> Line2D:
+        """Add one line through many points."""
         made = Line2D([], [], color=color, animated=True, **style)
         self.axes.add_line(made)
         return made
 
-    def mark(self, shape: tuple[str, float], face: str, edge: str, width: float = 0.9) -> Line2D:
-        """A mark at every point; shape: matplotlib's marker and its size in points."""
+    def add_mark(
+        self, shape: tuple[str, float], face: str, edge: str, width: float = 0.9
+    ) -> Line2D:
+        """Add a mark at every point; shape: matplotlib's marker and its size in points."""
         style = {"marker": shape[0], "markersize": shape[1], "markeredgewidth": width}
-        return self.line(edge, linewidth=0, markerfacecolor=face, **style)
+        return self.add_line(edge, linewidth=0, markerfacecolor=face, **style)
 
-    def clock(self) -> Text:
-        """Text in the upper left corner of the axes."""
+    def add_clock(self) -> Text:
+        """Add text in the upper left corner of the axes."""
         place: dict[str, Any] = {"transform": self.axes.transAxes, "va": "top", "animated": True}
         return self.axes.text(0.012, 0.98, "", color=INK, fontsize=12, **place)
 
-    def background(self) -> Any:
-        """Draw all that stands still; what is returned is for canvas.restore_region."""
+    def draw_background(self) -> Any:
+        """Draw all that stands still, and return it for canvas.restore_region."""
         self.canvas.draw()
         return self.canvas.copy_from_bbox(self.figure.bbox)
 
     @property
-    def panel(self) -> tuple[float, float]:
-        """Lower left corner of what stands beside the axes, as shares of the figure."""
+    def panel_corner(self) -> tuple[float, float]:
+        """Lower left corner of the panel beside the axes, as shares of the figure."""
         gap = 0.25 / self.figure.get_figwidth()
         return self._place[0] + self._place[2] + gap, self._place[1]
 
 
-def _above(least: float) -> float:
-    """1, 2 or 5 times a power of ten: the smallest that is not below."""
+def _round_up(least: float) -> float:
+    """Return the smallest of 1, 2 or 5 times a power of ten that is not below."""
     unit = 10.0 ** math.floor(math.log10(least))
     return unit * next(digit for digit in (1, 2, 5, 10) if digit * unit >= least)
 
 
-def _from(name: str, origin: float) -> str:
-    """Name of an axis whose zero is somewhere else."""
+def _axis_label(name: str, origin: float) -> str:
+    """Return the label of an axis whose zero is at its origin."""
     if not origin:
         return f"{name} [m]"
     return f"{name} {'-' if origin > 0 else '+'} {abs(origin):.15g} m [m]"
 
 
-class Arrows:
-    """The loads of a motion, seen by a camera; names: those that are somewhere not zero."""
+class LoadArrows:
+    """Arrows of the loads of a motion, seen by a camera; names: loads that are not always zero."""
 
-    def __init__(self, motion: Motion, camera: Camera, stage: Stage):
+    def __init__(self, motion: MotionSamples, camera: Camera, stage: Stage):
         self._force = {
-            name: camera.turned(load.force) for name, load in motion.loads.items() if _any(load)
+            name: camera.rotate(load.force)
+            for name, load in motion.loads.items()
+            if _has_force(load)
         }
         self.names = tuple(self._force)
         self._stage = stage
@@ -201,8 +205,8 @@ class Arrows:
         sizes = {name: np.linalg.norm(force, axis=-1) for name, force in self._force.items()}
         largest = max(float(size.max()) for size in sizes.values())
         per_metre = largest / (LONGEST * camera.half.min())
-        self._point = {name: camera.seen(motion.loads[name].point) for name in self.names}
-        before = camera.seen(motion.joints[:, -2])
+        self._point = {name: camera.to_picture(motion.loads[name].point) for name in self.names}
+        before = camera.to_picture(motion.joints[:, -2])
         for name in self.names:
             at, arrow = self._point[name], self._force[name] / per_metre
             # A force that pushes the tail ends there, so that it does not hide the rod.
@@ -211,11 +215,11 @@ class Arrows:
                 self._point[name] = at - pushes[:, None] * arrow
             hidden = sizes[name][:, None] < LEAST * largest
             self._force[name] = np.where(hidden, np.nan, self._force[name])
-        self._quiver = self._drawn(per_metre)
-        self._key(largest, per_metre * 2 * camera.half[1] / stage.size[1])
+        self._quiver = self._draw_quiver(per_metre)
+        self._add_key(largest, per_metre * 2 * camera.half[1] / stage.size[1])
 
-    def _drawn(self, per_metre: float) -> Quiver:
-        point, force = self._at(0)
+    def _draw_quiver(self, per_metre: float) -> Quiver:
+        point, force = self._arrows_at(0)
         return self._stage.axes.quiver(
             *point.T,
             *force.T,
@@ -229,12 +233,15 @@ class Arrows:
             zorder=6,
         )
 
-    def _key(self, largest: float, per_pixel: float) -> None:
-        """An arrow of a round number of newtons, with the number."""
-        stage, newtons = self._stage, _round(largest)
+    def _add_key(self, largest: float, per_pixel: float) -> None:
+        """Add an arrow of a round number of newtons, with the number."""
+        stage, newtons = self._stage, _round_down(largest)
         width, height = stage.canvas.get_width_height()
         # With its label to the east, a key's place is that of its tip.
-        at = stage.panel[0] + newtons / per_pixel / width, stage.panel[1] + 6 * stage.zoom / height
+        at = (
+            stage.panel_corner[0] + newtons / per_pixel / width,
+            stage.panel_corner[1] + 6 * stage.zoom / height,
+        )
         stage.axes.quiverkey(
             self._quiver,
             *at,
@@ -247,24 +254,24 @@ class Arrows:
             fontproperties={"size": 9},
         )
 
-    def _at(self, k: int) -> tuple[Array, Array]:
+    def _arrows_at(self, k: int) -> tuple[Array, Array]:
         points = np.array([self._point[name][k] for name in self.names])
         return points, np.array([self._force[name][k] for name in self.names])
 
     def draw(self, k: int) -> None:
-        """Draw those of sample k."""
+        """Draw the arrows of sample k."""
         if self.names:
-            point, force = self._at(k)
+            point, force = self._arrows_at(k)
             self._quiver.set_offsets(point)
             self._quiver.set_UVC(*force.T)
             self._stage.axes.draw_artist(self._quiver)
 
 
-def _any(load: Load) -> bool:
+def _has_force(load: LoadSamples) -> bool:
     return bool(np.any(load.force))
 
 
-def _round(largest: float) -> float:
-    """1, 2 or 5 times a power of ten: the largest that is not above."""
+def _round_down(largest: float) -> float:
+    """Return the largest of 1, 2 or 5 times a power of ten that is not above."""
     unit = 10.0 ** math.floor(math.log10(largest))
     return unit * max(digit for digit in (1, 2, 5) if digit * unit <= largest * (1 + 1e-9))

@@ -9,16 +9,16 @@ from pathlib import Path
 
 from rodgen.errors import InputError
 from rodgen.integrate import Solution
-from rodgen.progress import running
-from rodgen.show.animation.files import ffmpeg
-from rodgen.show.animation.film import Film, film
-from rodgen.show.animation.times import Settings
+from rodgen.progress import show_run
+from rodgen.show.animation.film import Film, write_film
+from rodgen.show.animation.film_files import find_ffmpeg
+from rodgen.show.animation.frame_times import FilmSettings
 
 
 @dataclass(frozen=True, repr=False)
 class Video:
-    """A film: data as in a file; ending: of such a file, ".mp4" or ".gif"; about: its frames, and
-    what is to be said of it; width [pixels]."""
+    """A film in memory: data as in a file; ending: of such a file, ".mp4" or ".gif"; about: its
+    frames, and notes; width [pixels]."""
 
     data: bytes = field(repr=False)
     ending: str
@@ -30,7 +30,7 @@ class Video:
         return f"<Video {self.ending}: {frames}, {len(self.data) / 1e6:.3g} MB>"
 
     def _repr_html_(self) -> str:
-        """Played again and again in notebooks."""
+        """HTML that plays it again and again in notebooks."""
         coded, width = base64.b64encode(self.data).decode(), f'width="{self.width}"'
         if self.ending == ".gif":
             words = f'alt="a film of {self.about.seconds:.4g} s"'
@@ -46,12 +46,12 @@ class Video:
         path.write_bytes(self.data)
 
 
-def make_video(solution: Solution, settings: Settings) -> Video:
-    """A film of a run in memory, MP4 where that can be made, else GIF; behind a bar. Raises
+def make_video(solution: Solution, settings: FilmSettings) -> Video:
+    """Make a film of a run in memory, MP4 where that can be made, else GIF; behind a bar. Raises
     InputError for what cannot be used."""
-    ending = ".gif" if ffmpeg() is None else ".mp4"
+    ending = ".gif" if find_ffmpeg() is None else ".mp4"
     first, last = (float(solution.t[at]) for at in (0, -1)) if len(solution.t) else (0.0, 0.0)
-    with tempfile.TemporaryDirectory() as folder, running("drawing", first, last) as update:
+    with tempfile.TemporaryDirectory() as folder, show_run("drawing", first, last) as update:
         path = Path(folder) / f"film{ending}"
-        made = film(solution.t, solution.taken, path, settings, update)
+        made = write_film(solution.t, solution.isel, path, settings, update)
         return Video(path.read_bytes(), ending, made, settings.width)

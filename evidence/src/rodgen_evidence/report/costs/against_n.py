@@ -120,7 +120,7 @@ def _ours(links: int, method: str) -> Batch:
         run = module.Run(method, 0.0, y, p, **TOLERANCES)
         run.begin(SPAN)
         start = time.perf_counter()
-        status, _ = run.on(TAKEN, *nothing)
+        status, _ = run.advance(TAKEN, *nothing)
         taken = time.perf_counter() - start
         if status < 0:
             raise ArithmeticError(f"{method} ends with status {status}")

@@ -15,7 +15,7 @@ from packaging.requirements import Requirement
 from packaging.utils import canonicalize_name
 
 import rodgen
-from rodgen.analyse.precision.contestant import Measurement, words
+from rodgen.analyse.precision.contestant import Measurement, describe_error
 from rodgen.loading import sources
 from rodgen_evidence.report.costs.cold import scratch
 from rodgen_evidence.report.costs.rod import THRUST
@@ -74,7 +74,7 @@ def _timed(codes: dict[str, str], folder: str, rounds: int) -> list[Measurement]
             try:
                 seconds[name].append(process([sys.executable, "-c", code], PYTHONPATH=path))
             except RuntimeError as error:
-                failures[name] = words(error)
+                failures[name] = describe_error(error)
     plain = statistics.median(seconds[start][reads:])
     rows = [_row("the interpreter itself", seconds=plain)]
     for name in codes:

@@ -20,7 +20,7 @@ import numpy as np
 from pandas import DataFrame
 
 import rodgen
-from rodgen.analyse.precision.contestant import Measurement, words
+from rodgen.analyse.precision.contestant import Measurement, describe_error
 from rodgen.analyse.precision.job import without_events
 from rodgen.integrate.stability import dominant
 from rodgen.loading import sources
@@ -99,7 +99,7 @@ def saved(scenes: Sequence[dict[str, Any]], quick: bool = False) -> list[Measure
         try:
             made = {v: set_up(variants[v], futures[v].result(), folders[v]) for v in variants}
         except Exception as error:  # of a compiler, say
-            return [empty(s, v, failed=words(error)) for s in scenes for v in variants]
+            return [empty(s, v, failed=describe_error(error)) for s in scenes for v in variants]
         models = {v: made_model for v, (_, made_model) in made.items()}
         sizes = {v: size for v, (size, _) in made.items()}
         return [row for table in scenes for row in compared(table, models, sizes, quick)]
@@ -148,7 +148,7 @@ def compared(
         runs = {what: _runs(scenes, models, how, rounds) for what, how in jobs.items()}
         times = {"rhs": _rates(scenes, models, rounds), **runs}
     except Exception as error:  # a scene of a user may fail in any way
-        found["failed"] = words(error)
+        found["failed"] = describe_error(error)
     return [
         empty(table, v, **sizes[v], **found, **{what: taken[v] for what, taken in times.items()})
         for v in scenes

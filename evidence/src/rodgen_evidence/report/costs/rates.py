@@ -11,7 +11,7 @@ from types import ModuleType
 import numpy as np
 
 import rodgen
-from rodgen.analyse.precision.contestant import Measurement, words
+from rodgen.analyse.precision.contestant import Measurement, describe_error
 from rodgen.loading import sources
 from rodgen_evidence.report.costs.cold import cold, environment, scratch
 from rodgen_evidence.report.costs.rod import (
@@ -60,10 +60,10 @@ def rates(links: int, module: ModuleType, quick: bool) -> list[Measurement]:
 
 
 @lru_cache(maxsize=2)
-def native(links: int, uneven: tuple[str, ...] = ()) -> Native:
-    """The C file by itself, compiled as its module compiles it, for calls from C; uneven: what
+def native(links: int, nonuniform: tuple[str, ...] = ()) -> Native:
+    """The C file by itself, compiled as its module compiles it, for calls from C; nonuniform: what
     differs along the rod."""
-    texts = sources(rodgen.Structure(links, terms=THRUST, uneven=uneven), "c")
+    texts = sources(rodgen.Structure(links, terms=THRUST, nonuniform=nonuniform), "c")
     files = {name: text for name, text in texts.items() if name.endswith((".c", ".h"))}
     source = min(files)  # the .c before the .h
     return compiled(files, f"{Path(source).stem}_rhs", flags().split())
@@ -109,7 +109,7 @@ def of_peer(name: str, links: Sequence[int], quick: bool = False) -> list[Measur
         try:
             rows.append(_measured(name, n, quick))
         except Exception as error:  # another's library may fail in any way
-            rows.append(row("rhs", name, n, failed=words(error)))
+            rows.append(row("rhs", name, n, failed=describe_error(error)))
         taken = time.perf_counter() - start
         # What is compiled once for any number of links does not grow.
         slow, before = n if taken > max(PATIENCE, 1.5 * before) else 0, taken

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 import rodgen
-from rodgen.analyse.precision.contestant import Measurement, words
+from rodgen.analyse.precision.contestant import Measurement, describe_error
 from rodgen_evidence.report import cases
 from rodgen_evidence.report.timing import Batch, interleaved
 
@@ -80,7 +80,7 @@ def compared(
             batches[name](1)
         except Exception as error:  # another's library may fail in any way
             batches.pop(name, None)
-            rows.append(row(what, name, links, failed=words(error)))
+            rows.append(row(what, name, links, failed=describe_error(error)))
     if not batches:
         return rows
     slow = max(batch(1) for batch in batches.values()) > SLOW

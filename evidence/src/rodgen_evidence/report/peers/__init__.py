@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from importlib import import_module
 from typing import Any, NamedTuple
 
-from rodgen.analyse.precision import methods
+from rodgen.analyse.precision import method_families
 from rodgen.analyse.precision.contestant import Contestant
 from rodgen.analyse.precision.job import Job
 from rodgen_evidence.report.peers.peer import Prepared
@@ -48,7 +48,7 @@ def family(name: str, job: Job, quick: bool = False) -> Iterator[Contestant]:
     """
     who, _, method = name.partition(" ")
     if who == "SciPy":
-        settings: Iterator[Contestant] = getattr(methods, method.lower())(job, quick)
+        settings: Iterator[Contestant] = getattr(method_families, method.lower())(job, quick)
         return settings
     return iter(_module(who).Rod.family(job, method, quick))
 

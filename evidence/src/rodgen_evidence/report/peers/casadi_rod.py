@@ -16,8 +16,8 @@ import casadi as ca
 import numpy as np
 
 import rodgen
-from rodgen.analyse.precision.job import SAMPLES, Job, Stretch, stretches
-from rodgen.analyse.precision.methods import SHARE, tolerances
+from rodgen.analyse.precision.job import SAMPLES, Job, Stretch, split_job
+from rodgen.analyse.precision.method_families import SHARE, scipy_tolerances
 from rodgen.arrays import Array
 from rodgen_evidence.report.peers import chain, loads
 from rodgen_evidence.report.peers.native import FLAGS, compiled
@@ -71,7 +71,7 @@ class Rod(Peer):
     def __init__(self, job: Job, method: str):
         super().__init__(job, method)
         begin = time.perf_counter()
-        self.parts = stretches(job)
+        self.parts = split_job(job)
         self.made = {part.first: equations(job.scene, part.middle) for part in self.parts}
         self.written = time.perf_counter() - begin
         self.plugin, self.options = METHODS[method]
@@ -87,7 +87,9 @@ class Rod(Peer):
         """Tolerances; of collocation the lengths of an element."""
         first, last = self.job.span
         fixed = self.kind == "step"
-        return steps(self.job, (last - first) / SAMPLES, quick) if fixed else tolerances(quick)
+        return (
+            steps(self.job, (last - first) / SAMPLES, quick) if fixed else scipy_tolerances(quick)
+        )
 
     def prepared(self, setting: float) -> Over:
         """With an integrator for every stretch."""

@@ -52,7 +52,11 @@ def accelerations(
 
     given: parameters by name; q, u: coordinates and speeds in rodgen's order.
     """
-    held, one, base = rod.hold.first, by.real(1.0), 2 * rod.hold.translates
+    held, one, base = (
+        rod.boundary_condition.first,
+        by.real(1.0),
+        2 * rod.boundary_condition.translates,
+    )
     phi, omega, velocity = list(q[base:]), list(u[base:]), list(u[:base])
     m, l = given["mass"] / by.real(rod.links), given["length"] / by.real(rod.links)
     c, s = [by.cos(angle) for angle in phi], [by.sin(angle) for angle in phi]
@@ -81,7 +85,7 @@ def accelerations(
         passed.append((nx, ny, cx, cy, gx, gy, z * over))
         a11, a12, a22 = one + a11 - vx * gx, a12 - vx * gy, one + a22 - vy * gy
         fx, fy = half * cx + fx + gx * z, half * cy + fy + gy * z
-    if rod.hold.translates:
+    if rod.boundary_condition.translates:
         if forces:
             fx, fy = fx - forces[0][0], fy - forces[0][1]
         over = one / (a11 * a22 - a12 * a12)
@@ -106,7 +110,7 @@ def _torques(
     l: Any,
 ) -> list[Any]:
     """On the links that move, by springs and dampers; in m l^2. phi: of all links."""
-    n, held = rod.links, rod.hold.first
+    n, held = rod.links, rod.boundary_condition.first
     spring = given["bending_stiffness"] / (m * l * l * l)
     joints = [spring * (phi[i + 1] - phi[i]) for i in range(n - 1)]
     if "internal_damping" in given:
@@ -116,7 +120,7 @@ def _torques(
             turn = rates[i + 1] - rates[i] if i >= held else rates[i + 1]
             joints[i] = joints[i] + drag * turn
     root: Any = 0.0
-    if rod.hold.root:
+    if rod.boundary_condition.root:
         root = 2 * spring * (phi[0] - given["clamp_angle"])
         if "internal_damping" in given:
             root = root + 2 * drag * omega[0]
@@ -155,7 +159,7 @@ def _drag(
     """
     if "external_damping" not in rod.terms:
         return []
-    held, l = rod.hold.first, given["length"] / rod.links
+    held, l = rod.boundary_condition.first, given["length"] / rod.links
     vx, vy = velocity or (0.0, 0.0)
     found: list[Pair] = []
     for joint in range(len(phi) + 1):

@@ -13,7 +13,7 @@ import numpy as np
 from sksundae.cvode import CVODE
 
 from rodgen.analyse.precision.job import Stretch
-from rodgen.analyse.precision.methods import LARGEST, SHARE, CountedRates, tolerances
+from rodgen.analyse.precision.method_families import LARGEST, SHARE, CountedRates, scipy_tolerances
 from rodgen.arrays import Array
 from rodgen_evidence.report.peers.peer import Over, Peer
 
@@ -28,7 +28,7 @@ class Rod(Peer):
 
     def settings(self, quick: bool) -> Iterator[float]:
         """Relative tolerances."""
-        return tolerances(quick)
+        return scipy_tolerances(quick)
 
     def prepared(self, setting: float) -> Over:
         """With the solver begun anew in every stretch."""

@@ -44,7 +44,7 @@ class Rod(Peer):
         self.container = exu.SystemContainer()
         self.system = self.container.AddSystem()
         self._tree()
-        self.enter(Stretch(*job.span, job.times, 0), job.start)
+        self.enter(Stretch(*job.span, job.sample_times, 0), job.initial_state)
         kinds = exu.OutputVariableType
         self.sensors = [
             self.system.AddSensor(
@@ -97,22 +97,22 @@ class Rod(Peer):
         )
         for term, follows in (("follower", True), ("tip_load", False)):
             if term in scene.structure.terms:
-                given = {} if scene.timed else {"loadVector": self._force(term, 0.0)}
+                given = {} if scene.time_laws else {"loadVector": self._force(term, 0.0)}
                 load = items.LoadForceVector(markerNumber=tail, bodyFixed=follows, **given)
-                if scene.timed:
+                if scene.time_laws:
                     load.loadVectorUserFunction = self._called(term)
                 self.system.AddLoad(load)
 
     def _called(self, term: str) -> Any:
         def force(_: Any, t: float, __: Any) -> list[float]:
-            Deadline.look()
+            Deadline.check()
             return self._force(term, t)
 
         return force
 
     def _force(self, term: str, t: float) -> list[float]:
-        if self.job.scene.timed:
-            given = self.given(self.stretch.inside(t))
+        if self.job.scene.time_laws:
+            given = self.given(self.stretch.clip(t))
         else:
             given = self.job.scene.parameters
         if term == "follower":

@@ -15,7 +15,7 @@ import heyoka as hy
 import numpy as np
 
 from rodgen.analyse.precision.contestant import Deadline, NotModelledError
-from rodgen.analyse.precision.job import Job, Stretch, stretches
+from rodgen.analyse.precision.job import Job, Stretch, split_job
 from rodgen.arrays import Array
 from rodgen_evidence.report.peers import chain, loads
 from rodgen_evidence.report.peers.peer import Over, Peer
@@ -65,18 +65,18 @@ class Rod(Peer):
     def prepared(self, setting: float) -> Over:
         """Compiled for every stretch."""
         hy.llvm_state.clear_memcache()
-        begin, parts = time.perf_counter(), stretches(self.job)
+        begin, parts = time.perf_counter(), split_job(self.job)
         written = [equations(self.job, stretch.middle) for stretch in parts]
         middle = time.perf_counter()
         self.series = [
-            hy.taylor_adaptive(made, self.job.start, tol=setting, compact_mode=True)
+            hy.taylor_adaptive(made, self.job.initial_state, tol=setting, compact_mode=True)
             for made in written
         ]
         self.setup = {"generate": middle - begin, "compile": time.perf_counter() - middle}
         by_start = {part.first: one for part, one in zip(parts, self.series, strict=True)}
 
         def look(_: Any) -> bool:
-            Deadline.look()
+            Deadline.check()
             return True
 
         def over(stretch: Stretch, y: Array) -> Array:
@@ -105,7 +105,9 @@ class Rod(Peer):
 
 def equations(job: Job, middle: float) -> Equations:
     """Unknowns in rodgen's order, each with its rate, as they are in the stretch of that time."""
-    q, u = (hy.make_vars(*(f"{name}{i}" for i in range(len(job.start) // 2))) for name in "qu")
+    q, u = (
+        hy.make_vars(*(f"{name}{i}" for i in range(len(job.initial_state) // 2))) for name in "qu"
+    )
     given = loads.parameters(job.scene, middle, FUNCTIONS)(hy.time)
     rates = chain.accelerations(job.scene.structure, given, q, u, SYMBOLS)
     return list(zip([*q, *u], [*u, *rates], strict=True))

@@ -103,7 +103,7 @@ class Rod(Peer):
         self.tree, self.driven = Tree.of(job.scene), driven(job.scene)
         self.model = mujoco.MjModel.from_xml_string(mjcf(job.scene, f'integrator="{method}"'))
         self.data = mujoco.MjData(self.model)
-        self.enter(Stretch(*job.span, job.times, 0), job.span[0], job.start)
+        self.enter(Stretch(*job.span, job.sample_times, 0), job.span[0], job.initial_state)
 
     def enter(self, stretch: Stretch, t: float, y: Array) -> None:
         """A state at a time in a stretch."""
@@ -116,12 +116,12 @@ class Rod(Peer):
 
     def drive(self, t: float) -> None:
         """The loads at a time."""
-        given = self.given(self.stretch.inside(t))
+        given = self.given(self.stretch.clip(t))
         self.data.ctrl[:] = [given[name] for name in self.driven]
 
     def called(self, _: mujoco.MjModel, data: mujoco.MjData) -> None:
         """For every evaluation: loads that change with time."""
-        Deadline.look()
+        Deadline.check()
         self.drive(data.time)
 
     def accelerations(self, t: float, y: Array) -> Array:
@@ -142,7 +142,7 @@ class Rod(Peer):
 
         def over(stretch: Stretch, y: Array) -> Array:
             self.enter(stretch, stretch.first, y)
-            mujoco.set_mjcb_control(self.called if self.job.scene.timed else None)
+            mujoco.set_mjcb_control(self.called if self.job.scene.time_laws else None)
             try:
                 times = pairwise([stretch.first, *stretch.times])
                 return np.array([self._step(*pair, setting) for pair in times])
@@ -153,7 +153,7 @@ class Rod(Peer):
 
     def _step(self, before: float, at: float, step: float) -> Array:
         """The state at a time from that at the time before."""
-        Deadline.look()
+        Deadline.check()
         data, count = self.data, whole_steps(at - before, step)
         self.model.opt.timestep = (at - before) / count
         mujoco.mj_step(self.model, data, nstep=count)

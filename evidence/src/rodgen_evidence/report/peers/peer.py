@@ -21,11 +21,11 @@ import rodgen
 from rodgen.analyse.precision.contestant import (
     Contestant,
     Deadline,
-    Finish,
     NotModelledError,
+    RunResult,
     TooSlowError,
 )
-from rodgen.analyse.precision.job import SAMPLES, Job, Stretch, integrated, stretches
+from rodgen.analyse.precision.job import SAMPLES, Job, Stretch, integrate_stretches, split_job
 from rodgen.arrays import Array
 from rodgen.integrate.stability import Dominant, dominant
 from rodgen_evidence.report.costs.rod import VALUES, scene
@@ -82,13 +82,13 @@ class Peer(ABC):
         """A setting; off: how far the accelerations are from rodgen's."""
         over = self.prepared(setting)
 
-        def integrate() -> Finish:
+        def integrate() -> RunResult:
             self.counts.clear()
             with stopped():
-                y = integrated(self.job, over)
+                y = integrate_stretches(self.job, over)
             if not np.isfinite(y).all():
                 raise ArithmeticError("states that are no numbers")
-            return Finish(y, dict(self.counts))
+            return RunResult(y, dict(self.counts))
 
         return Contestant(
             *(self.who, self.name, self.target, self.kind, setting, integrate),
@@ -141,8 +141,8 @@ def agreed(job: Job, theirs: Accelerations) -> float:
 
     Raises ArithmeticError where it is beyond AGREED.
     """
-    half, worst = len(job.start) // 2, 0.0
-    for stretch in stretches(job):
+    half, worst = len(job.initial_state) // 2, 0.0
+    for stretch in split_job(job):
         for y in random_states(job.scene):
             ours = np.asarray(job.model.rhs(stretch.middle, y, job.p))[half:]
             worst = max(worst, difference(np.asarray(theirs(stretch.middle, y)), ours))
@@ -167,7 +167,7 @@ def difference(theirs: Array, ours: Array) -> float:
 def random_states(scene: rodgen.Scene) -> Array:
     """States (STATES, states) of a rod bent at random, and moving."""
     draw, half = np.random.default_rng(1), len(scene.initial_state()) // 2
-    base = 2 * scene.hold.translates
+    base = 2 * scene.boundary_condition.translates
     bends = draw.normal(scale=BEND, size=(STATES, half))
     bends[:, base:] = np.cumsum(bends[:, base:], axis=1) + (scene.rod.clamp_angle or 0.0)
     return np.concatenate([bends, SPEED * draw.normal(size=(STATES, half))], axis=1)
@@ -201,7 +201,7 @@ def stable(limit: float, rate: float) -> float:
 def fastest(job: Job) -> Dominant:
     """The fastest motion at the start."""
     first, _ = job.stretches[0]
-    return dominant(job.model, first, job.start, job.p)
+    return dominant(job.model, first, job.initial_state, job.p)
 
 
 def runs(stretch: Stretch) -> Iterator[tuple[float, Array]]:

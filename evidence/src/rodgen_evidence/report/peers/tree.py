@@ -36,19 +36,19 @@ class Tree:
     @classmethod
     def of(cls, scene: rodgen.Scene) -> Tree:
         """The tree of a scene."""
-        given, n, held = scene.parameters, scene.rod.links, scene.held
+        given, n, held = scene.parameters, scene.rod.links, scene.n_fixed_links
         m, l = given["mass"] / n, given["length"] / n
         spring, damper = given["bending_stiffness"] / l, m * given.get("internal_damping", 0.0)
         clamp = given.get("clamp_angle", 0.0)
         # The hinge before the first link that moves, and those between.
-        root = scene.hold.root
+        root = scene.boundary_condition.root
         first = (spring, damper) if held else (root * spring, root * damper)
         return cls(
             links=n - held,
             mass=m,
             length=l,
             inertia=m * l**2 / (12 if scene.rod.inertia == "uniform" else 4),
-            translates=scene.hold.translates,
+            translates=scene.boundary_condition.translates,
             base=(held * l * cos(clamp), held * l * sin(clamp)),
             rest=clamp,
             stiffness=(first[0], *[spring] * (n - held - 1)),

@@ -6,10 +6,17 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
-from rodgen.analyse.precision import methods
-from rodgen.analyse.precision.contestant import Limits, Measurement, blank, in_a_row, sweep, words
+from rodgen.analyse.precision import method_families
+from rodgen.analyse.precision.contestant import (
+    Limits,
+    Measurement,
+    describe_error,
+    empty_row,
+    sweep,
+    sweep_methods,
+)
 from rodgen.analyse.precision.job import Job
-from rodgen.analyse.precision.methods import Named
+from rodgen.analyse.precision.method_families import LazyFamily
 from rodgen.analyse.precision.work_precision import Reference
 from rodgen_evidence.report import peers
 from rodgen_evidence.report.cases import Case
@@ -30,7 +37,7 @@ def rodgens(name: str, table: dict[str, Any], folder: str, quick: bool) -> list[
     rows: list[Measurement] = []
     # From cold they take longer than all runs of a short set.
     taken = {} if quick else setups(table)
-    for family in methods.families(job, quick, taken):
+    for family in method_families.families(job, quick, taken):
         measures = held.measures(job, family.method)
         rows += sweep(family.make(), label(job, family), measures, Limits.of(quick))
     return rows
@@ -52,12 +59,12 @@ def _of_method(job: Job, held: Reference, quick: bool, name: str) -> list[Measur
     nothing = known(job.name, job.scene.rod.links, who, name, method)
     try:
         measures = held.measures(job, method)
-        return in_a_row(peers.family(name, job, quick), nothing, measures, Limits.of(quick))
+        return sweep_methods(peers.family(name, job, quick), nothing, measures, Limits.of(quick))
     except ModuleNotFoundError as error:
         own = error.name == peers.LIBRARIES[who].package
-        return [blank(nothing) | {"failed": MISSING if own else words(error)}]
+        return [empty_row(nothing) | {"failed": MISSING if own else describe_error(error)}]
     except Exception as error:  # another's library may fail in any way
-        return [blank(nothing) | {"failed": words(error)}]
+        return [empty_row(nothing) | {"failed": describe_error(error)}]
 
 
 def known(
@@ -76,11 +83,11 @@ def prepared(name: str, table: dict[str, Any], folder: str) -> tuple[Job, Refere
 
 def without(name: str, table: dict[str, Any], who: str, why: NoReferenceError) -> Measurement:
     """The row of a scene that has no reference solution."""
-    row = blank(known(name, table["rod"]["links"], who))
-    return row | {"failed": words(f"{NO_REFERENCE}{why}")}
+    row = empty_row(known(name, table["rod"]["links"], who))
+    return row | {"failed": describe_error(f"{NO_REFERENCE}{why}")}
 
 
-def label(job: Job, family: Named) -> Measurement:
+def label(job: Job, family: LazyFamily) -> Measurement:
     """What all rows of a family of ours have in common."""
     links, taken = job.scene.rod.links, family.setup.items()
     start = known(job.name, links, family.who, method=family.method, target=family.target)

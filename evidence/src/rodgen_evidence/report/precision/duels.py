@@ -10,10 +10,10 @@ from typing import Any
 
 import numpy as np
 
-from rodgen.analyse.precision import methods
+from rodgen.analyse.precision import method_families
 from rodgen.analyse.precision.contestant import Contestant, Deadline, Measurement
 from rodgen.analyse.precision.job import Job, Measures
-from rodgen.analyse.precision.rows import cheapest
+from rodgen.analyse.precision.rows import find_cheapest
 from rodgen_evidence.report.cases import Case
 from rodgen_evidence.report.precision.contests import prepared
 from rodgen_evidence.report.precision.references import NO_REFERENCE
@@ -69,8 +69,8 @@ def units(
         reasons = (str(row.get("failed")) for row in of_scene)
         why = next((why for why in reasons if why.startswith(NO_REFERENCE)), "")
         for asked in ASKED:
-            mine = cheapest((row for row in of_scene if row.get("who") == "rodgen"), asked)
-            theirs = cheapest((row for row in of_scene if row.get("who") != "rodgen"), asked)
+            mine = find_cheapest((row for row in of_scene if row.get("who") == "rodgen"), asked)
+            theirs = find_cheapest((row for row in of_scene if row.get("who") != "rodgen"), asked)
             name = f"equal_error-{case.name}-1e{int(np.log10(asked)):d}"
             given = {"asked": asked, "mine": mine, "theirs": theirs, "why": why}
             known, timed = case.given(folder, quick=quick, **given), bool(mine and theirs)
@@ -79,7 +79,9 @@ def units(
 
 
 def _ours(job: Job, row: dict[str, Any]) -> Contestant:
-    return methods.contestant(job, row["method"], row["target"], **{row["kind"]: row["setting"]})
+    return method_families.contestant(
+        job, row["method"], row["target"], **{row["kind"]: row["setting"]}
+    )
 
 
 def _theirs(job: Job, row: dict[str, Any], quick: bool) -> Contestant:

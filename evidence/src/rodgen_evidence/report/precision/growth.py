@@ -9,9 +9,9 @@ from typing import Any
 
 import numpy as np
 
-from rodgen.analyse.precision import methods
-from rodgen.analyse.precision.contestant import Measurement, words
-from rodgen.analyse.precision.rows import fine, number
+from rodgen.analyse.precision import method_families
+from rodgen.analyse.precision.contestant import Measurement, describe_error
+from rodgen.analyse.precision.rows import has_result, read_number
 from rodgen.arrays import Array
 from rodgen_evidence.report.cases import Case
 from rodgen_evidence.report.precision.contests import prepared
@@ -35,22 +35,22 @@ def growth(name: str, table: dict[str, Any], folder: str) -> list[Measurement]:
     try:
         job, held = prepared(name, table, folder)
     except NoReferenceError as why:
-        said = words(f"{NO_REFERENCE}{why}")
+        said = describe_error(f"{NO_REFERENCE}{why}")
         return [known | nothing | {"method": METHOD, "setting": None, "failed": said}]
     measures = held.measures(job, METHOD)
-    known["t"] = job.times.tolist()
+    known["t"] = job.sample_times.tolist()
     rows: list[Measurement] = []
     for rtol in TOLERANCES:
         row = known | nothing | {"method": METHOD, "setting": rtol}
         try:
-            run = methods.contestant(job, METHOD, "c", rtol=rtol).integrate()
-            error = measures.over_time(run.y)
-            row |= {"error": error.tolist(), "rate": rate(job.times, error, held.off)}
+            run = method_families.contestant(job, METHOD, "c", rtol=rtol).integrate()
+            error = measures.angle_errors(run.y)
+            row |= {"error": error.tolist(), "rate": rate(job.sample_times, error, held.off)}
         except Exception as why:  # the other tolerance may still do
-            row |= {"failed": words(why)}
+            row |= {"failed": describe_error(why)}
         rows.append(row)
     own = {"method": "reference, estimated", "setting": None, "error": held.off.tolist()}
-    return [*rows, known | nothing | own | {"rate": rate(job.times, held.off, 0 * held.off)}]
+    return [*rows, known | nothing | own | {"rate": rate(job.sample_times, held.off, 0 * held.off)}]
 
 
 def rate(times: Array, error: Array, off: Array) -> float | None:
@@ -90,15 +90,15 @@ def curve(row: Measurement, key: str) -> Array:
 
 def grows(row: Measurement) -> bool:
     """Whether errors grow exponentially: so much in the span that it is no other growth."""
-    t, exponent = curve(row, "t"), number(row, "rate")
-    return fine(row) and len(t) > 0 and exponent * (t[-1] - t[0]) > math.log(MUCH)
+    t, exponent = curve(row, "t"), read_number(row, "rate")
+    return has_result(row) and len(t) > 0 and exponent * (t[-1] - t[0]) > math.log(MUCH)
 
 
 def growth_line(row: Measurement) -> tuple[Array, Array] | None:
     """Times and values of the fitted exponential, through the middle of what it is fitted to."""
     if not grows(row):
         return None
-    t, error, exponent = curve(row, "t"), curve(row, "error"), number(row, "rate")
+    t, error, exponent = curve(row, "t"), curve(row, "error"), read_number(row, "rate")
     rising = (error > 0) & (error < SATURATED)
     if not rising.any():
         return None

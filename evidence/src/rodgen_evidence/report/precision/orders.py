@@ -9,7 +9,7 @@ from math import inf, log
 import numpy as np
 
 from rodgen.analyse.precision.contestant import Measurement
-from rodgen.analyse.precision.rows import families, fine, number
+from rodgen.analyse.precision.rows import group_families, has_result, read_number
 
 FLOOR, CEILING = 1e-12, 0.1  # errors between which an order shows: above rounding, below chaos
 LEAST = 3  # points of a fit
@@ -28,8 +28,8 @@ def looked_at(rows: Iterable[Measurement], floor: float = FLOOR) -> Iterator[Mea
 
     floor: errors above which slopes are those of the method: ten times the reference's own, say.
     """
-    for family in families(rows):
-        if any(map(fine, family)):
+    for family in group_families(rows):
+        if any(map(has_result, family)):
             for against in ("step",) if family[0].get("kind") == "step" else ("rhs", "rtol"):
                 yield fit(family, against, floor)
 
@@ -67,7 +67,7 @@ def fit(family: list[Measurement], against: str, floor: float = FLOOR) -> Measur
 
 def finest(family: Iterable[Measurement], floor: float = FLOOR) -> float | None:
     """Exponent of the error by the two smallest steps whose errors show one, or None."""
-    (ordered,) = families(family)
+    (ordered,) = group_families(family)
     points = next(_between(ordered, "step", floor), [])
     if len(points) < 2:
         return None
@@ -80,8 +80,8 @@ def _between(family: list[Measurement], against: str, floor: float) -> Iterator[
     quantity = "rhs" if against == "rhs" else "setting"
     run: Points = []
     for row in reversed(family):
-        x, y = number(row, quantity), number(row, "error_phi")
-        if fine(row) and x > 0 and floor < y < CEILING:
+        x, y = read_number(row, quantity), read_number(row, "error_phi")
+        if has_result(row) and x > 0 and floor < y < CEILING:
             run.append((log(x), log(y)))
         elif run:
             yield run

@@ -11,9 +11,9 @@ from typing import Any
 
 import numpy as np
 
-from rodgen.analyse.precision.contestant import Measurement, words
+from rodgen.analyse.precision.contestant import Measurement, describe_error
 from rodgen.analyse.precision.job import MEASURES, Job
-from rodgen.analyse.precision.work_precision import Reference, reference
+from rodgen.analyse.precision.work_precision import Reference, compute_reference
 from rodgen_evidence.report.cases import Case
 from rodgen_evidence.report.unit import Unit
 
@@ -80,8 +80,8 @@ def measured(
     try:
         row |= _made(name, table, folder, quick)
     except Exception as error:  # a scene of a user may fail in any way
-        row["failed"] = words(error)
-        reason.write_text(words(error), encoding="utf-8")
+        row["failed"] = describe_error(error)
+        reason.write_text(describe_error(error), encoding="utf-8")
         file.unlink(missing_ok=True)
         return [row | {"seconds": time.perf_counter() - start}]
     return [row | {"failed": ""}]
@@ -91,7 +91,7 @@ def _made(name: str, table: dict[str, Any], folder: str, quick: bool) -> Measure
     """What is known of a reference solution that was made and kept."""
     job = Job.of(name, table)
     start = time.perf_counter()
-    kept = reference(job, QUICKLY if quick else SECONDS)
+    kept = compute_reference(job, QUICKLY if quick else SECONDS)
     seconds = time.perf_counter() - start
     row: Measurement = {"method": kept.method, "order": kept.order, "tolerance": kept.tolerance}
     row |= {key.replace("error_", "estimate_"): value for key, value in kept.estimate.items()}

@@ -76,7 +76,7 @@ class Measure:
     def parts(self, y: Array) -> dict[str, Array]:
         """States of each kind, (samples, entries), entries none where a rod is held."""
         q, u = np.split(y, 2, axis=-1)
-        base = 2 * self.scene.hold.translates
+        base = 2 * self.scene.boundary_condition.translates
         return dict(
             zip(KINDS, (q[..., base:], u[..., base:], q[..., :base], u[..., :base]), strict=True)
         )
@@ -129,7 +129,7 @@ def _largest(x: Array) -> float:
 
 def _expand(scene: rodgen.Scene, phi: Array, omega: Array, base: Array | None = None) -> Array:
     """States from angles and rates alike for all links, and (samples, 4) of joint 0."""
-    moving = scene.rod.links - scene.held
+    moving = scene.rod.links - scene.n_fixed_links
     q, u = (np.repeat(np.asarray(x, dtype=float)[:, None], moving, 1) for x in (phi, omega))
     if base is None:
         return np.concatenate((q, u), axis=1)
@@ -140,7 +140,7 @@ def rigid(scene: rodgen.Scene) -> Truth:
     """A straight uniform rod in free flight: its middle falls, and it turns steadily."""
     y0 = scene.initial_state()
     half, L = len(y0) // 2, scene.rod.length / 2
-    t = scene.integrate.samples - scene.integrate.span[0]
+    t = scene.integrate.sample_times - scene.integrate.span[0]
     phi0, rate = y0[2], y0[half + 2]
     assert np.ptp(y0[2:half]) == 0 == np.ptp(y0[half + 2 :])
     g = scene.loads.gravity.g if scene.loads.gravity else 0.0
@@ -162,7 +162,7 @@ def drifting(scene: rodgen.Scene) -> Truth:
     """All links along one line and moving alike against drag: v = v0 exp(-c |sin a| t)."""
     y0 = scene.initial_state()
     half = len(y0) // 2
-    t = scene.integrate.samples - scene.integrate.span[0]
+    t = scene.integrate.sample_times - scene.integrate.span[0]
     v = y0[half : half + 2]
     external = scene.loads.external_damping
     assert external is not None
@@ -188,12 +188,12 @@ def pendulum(scene: rodgen.Scene) -> Truth:
     own = np.sqrt(g / (2 * inertia * rod.length))
     start = y0[0] + np.pi / 2
     k = np.sin(start / 2)
-    t = scene.integrate.samples - scene.integrate.span[0]
+    t = scene.integrate.sample_times - scene.integrate.span[0]
     sn, cn, _, _ = ellipj(ellipk(k**2) - own * t, k**2)
     phi = 2 * np.arcsin(k * sn) - np.pi / 2
     omega = -2 * own * k * cn
     along = scene.distribution
-    bend = along.mass * g * rod.length**2 / along.usual_stiffness if n > 1 else 0.0
+    bend = along.mass * g * rod.length**2 / along.mean_stiffness if n > 1 else 0.0
     y = _expand(scene, phi, omega)
     return Truth(y, "a rigid pendulum, by elliptic functions", error=bend, positions=n > 1)
 
@@ -201,4 +201,4 @@ def pendulum(scene: rodgen.Scene) -> Truth:
 def resting(scene: rodgen.Scene) -> Truth:
     """Nothing moves."""
     y0 = scene.initial_state()
-    return Truth(np.tile(y0, (len(scene.integrate.samples), 1)), "equilibrium")
+    return Truth(np.tile(y0, (len(scene.integrate.sample_times), 1)), "equilibrium")

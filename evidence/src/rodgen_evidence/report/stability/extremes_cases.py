@@ -169,9 +169,9 @@ def follower() -> Iterator[Extreme]:
 def pulsed(scene: rodgen.Scene) -> Truth:
     """A rod at rest until shortly before a pulse: from there on with steps of its own."""
     late = scene.with_integrate(span=[BEFORE, scene.integrate.span[1]], output_every=0.05)
-    known, times = tight(late), scene.integrate.samples
+    known, times = tight(late), scene.integrate.sample_times
     rest = np.tile(scene.initial_state(), (int(np.sum(times < BEFORE)), 1))
-    at = [int(np.argmin(abs(late.integrate.samples - t))) for t in times[times >= BEFORE]]
+    at = [int(np.argmin(abs(late.integrate.sample_times - t))) for t in times[times >= BEFORE]]
     return replace(known, y=np.concatenate((rest, known.y[at])))
 
 

@@ -14,7 +14,7 @@ import rodgen
 from rodgen.analyse.precision.contestant import Measurement
 from rodgen.errors import InputError
 from rodgen.integrate import Interrupted, RunError, Solution
-from rodgen.integrate.stability import dominant, limit
+from rodgen.integrate.stability import dominant, step_limit
 from rodgen.integrate.stepper import StepError
 from rodgen.model.methods import FIXED_STEP
 from rodgen_evidence.report.stability.extremes_case import (
@@ -119,7 +119,7 @@ def _unavoidable(truth: Truth, measure: Measure, slack: float = SLACK) -> dict[s
 def _unless_told(solution: Solution, off: float) -> str:
     """Wrong, unless its energy balance says how wrong it is."""
     share, settings = balance(solution), solution.scene.integrate
-    alarming = LEAK if settings.fixed else ALARM * settings.rtol
+    alarming = LEAK if settings.has_fixed_step else ALARM * settings.rtol
     least = max(TOLD * min(off, 1.0), alarming)
     with np.errstate(all="ignore"):
         largest = max(float(np.abs(part).max(initial=0.0)) for part in solution.energy)
@@ -233,7 +233,7 @@ def fixed_step(case: Extreme, model: ModuleType, method: str, target: str) -> fl
             fastest = dominant(model, first + 1e-9 * (last - first), scene.initial_state(), p)
     except (StepError, np.linalg.LinAlgError):
         return (last - first) / 100
-    stable = limit("rk4" if method == "euler" else method, fastest.value, fastest.partner)
+    stable = step_limit("rk4" if method == "euler" else method, fastest.value, fastest.partner)
     return float(max((last - first) / count, min(stable / 10, (last - first) / LEAST[target])))
 
 

@@ -52,9 +52,11 @@ def dense_condition(model: ModuleType, y: Array, p: Array) -> float | None:
 def chain_condition(model: ModuleType, y: Array) -> float | None:
     """Of the system of the joint forces (uniform mass) or tensions (lumped mass); None where there
     is none, as for one free link."""
-    hold = BOUNDARIES[model.BOUNDARY]
-    phi = y[2 * hold.translates : len(y) // 2]
-    system = sparse.triu(constraints(phi, not hold.translates, model.INERTIA == "lumped")).todia()
+    boundary_condition = BOUNDARIES[model.BOUNDARY]
+    phi = y[2 * boundary_condition.translates : len(y) // 2]
+    system = sparse.triu(
+        constraints(phi, not boundary_condition.translates, model.INERTIA == "lumped")
+    ).todia()
     if not system.shape[1]:
         return None
     band = np.zeros((BAND + 1, system.shape[1]))

@@ -17,7 +17,7 @@ from scipy.linalg import eigh
 
 import rodgen
 from rodgen.analyse.precision.contestant import Measurement
-from rodgen.integrate.stability import dominant, limit
+from rodgen.integrate.stability import dominant, step_limit
 from rodgen_evidence.report import cases
 from rodgen_evidence.report.unit import Unit
 from rodgen_evidence.thesis.data import METHODS, TABLE_4_1
@@ -122,7 +122,7 @@ def taken(trial: Trial, method: str, step: float) -> Array:
         count = min(STEPS + 1 - at, STEPS if fixed else BLOCK)
         if not fixed:
             run.numbers.looked, run.numbers.most, run.numbers.step = 0, step, 1e300
-        status, _ = run.on(count, np.empty(0), nothing, trace[at:])
+        status, _ = run.advance(count, np.empty(0), nothing, trace[at:])
         if status < 0:
             break
         at += count
@@ -152,7 +152,7 @@ def own_step(trial: Trial) -> tuple[float, float]:
     trace = np.full((STEPS, 1 + 2 * len(trial.model.STATE)), np.nan)
     run.begin(1e9 / trial.mode.omega)
     start = AMPLITUDE * math.hypot(1.0, 0.3)
-    run.on(STEPS, np.empty(0), np.empty((0, len(run.state))), trace)
+    run.advance(STEPS, np.empty(0), np.empty((0, len(run.state))), trace)
     late = trace[STEPS // 2 :]
     size = np.hypot(*trial.coordinates(late).T)
     return float(np.median(np.diff(late[:, 0]))), float(size.max() / start)
@@ -263,7 +263,7 @@ def _row(
     trial: Trial, method: str, damping: str, ratio: float, found: float, how: str
 ) -> Measurement:
     value, partner = eigenvalues(trial.mode.omega, ratio)
-    theory = limit("dop853" if method == OWN else method, value, partner)
+    theory = step_limit("dop853" if method == OWN else method, value, partner)
     iterated = dominant(trial.model, 0.0, np.zeros(len(trial.model.STATE)), trial.p)
     return {
         "method": method,

@@ -46,7 +46,7 @@ def derived_rates(n: int) -> list[Expr]:
     """Time derivatives of the coordinates of the derivation."""
     derived = truth(n).derived
     generators = [derived.calculus.generator[q] for q in derived.coordinates]
-    return [truth(n).letters(derived.rate(q)) for q in generators]
+    return [truth(n).letters(derived.time_derivative(q)) for q in generators]
 
 
 def printed_euler_lagrange(n: int) -> list[Expr]:

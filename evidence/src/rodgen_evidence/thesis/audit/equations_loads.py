@@ -6,12 +6,12 @@ from collections.abc import Iterator
 
 from sympy import Abs, Expr, Integer, S, Symbol, atan, atan2, cos, sin, sqrt, symbols
 
+from rodgen.derive.link_properties import Rod
 from rodgen.derive.loads.external_damping import LOAD as DRAG
 from rodgen.derive.loads.follower import LOAD as FOLLOWER
 from rodgen.derive.loads.gravity import LOAD as GRAVITY
 from rodgen.derive.loads.internal_damping import LOAD as DAMPING
 from rodgen.derive.loads.joint_drag import JointMotion, joint_angle, joint_mass
-from rodgen.derive.rod import Rod
 from rodgen.derive.symbols import l, m, s
 from rodgen_evidence.thesis.audit.claim import NOT_PRINTED, READ, Claim, Entries
 from rodgen_evidence.thesis.audit.equations_energy import HALF

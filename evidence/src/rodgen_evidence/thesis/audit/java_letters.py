@@ -101,7 +101,9 @@ def joints(n: int) -> Column:
 def joint_velocities(n: int) -> Column:
     """Rates of the joints' coordinates."""
     t = truth(n)
-    return [t.letters(t.derived.rate(c)) for s in range(n + 1) for c in t.derived.joint(s)]
+    return [
+        t.letters(t.derived.time_derivative(c)) for s in range(n + 1) for c in t.derived.joint(s)
+    ]
 
 
 def centre(n: int) -> Column:

@@ -15,7 +15,7 @@ import numpy as np
 from sympy import Rational, S, Symbol
 
 from rodgen.derive.symbols import x0, y0
-from rodgen.integrate.methods.fixed_step import advance
+from rodgen.integrate.methods.fixed_step import explicit_step
 from rodgen.model.methods import TABLEAUX
 from rodgen_evidence.thesis.audit.claim import READ, Claim, Entries
 from rodgen_evidence.thesis.audit.java_equation import MISSPELLED, FreeRodModel
@@ -157,7 +157,7 @@ def scheme(step: Step) -> Entries:
 
 def method(name: str) -> Entries:
     """States at every evaluation and at the end of a step of a method of rodgen."""
-    step = advance(TABLEAUX[name], Rational)
+    step = explicit_step(TABLEAUX[name], Rational)
 
     def entries(n: int) -> Column:
         seen: list[Column] = []

@@ -12,9 +12,9 @@ from functools import cache, cached_property
 from sympy import Expr, S, Symbol, symbols
 from sympy.polys.rings import PolyElement
 
-from rodgen.derive.calculus import TIME
 from rodgen.derive.explicit import ExplicitDerivation
 from rodgen.derive.loads import external_damping, follower, gravity, internal_damping
+from rodgen.derive.polynomials import TIME
 from rodgen.derive.symbols import PARAMETERS, l, m, vx0, vy0, x0, xi, y0
 
 MOST = 6  # links
@@ -82,12 +82,12 @@ class Truth:
 
     def velocity(self, link: int) -> tuple[Expr, Expr]:
         """Velocity of the point at r of a link."""
-        x, y = (self.derived.rate(p) for p in self.derived.link_points[link])
+        x, y = (self.derived.time_derivative(p) for p in self.derived.link_points[link])
         return self.letters(x), self.letters(y)
 
     def _squared_speed(self, link: int) -> PolyElement:
-        x, y = (self.derived.rate(p) for p in self.derived.link_points[link])
-        return self.derived.calculus.normal(x**2 + y**2)
+        x, y = (self.derived.time_derivative(p) for p in self.derived.link_points[link])
+        return self.derived.calculus.normal_form(x**2 + y**2)
 
     def energy_density(self, link: int) -> Expr:
         """Kinetic energy per length at r of a link [J/m]: dE = (m/2) v^2 d(r/l)."""
@@ -126,7 +126,7 @@ class Truth:
     def momentum_rates(self) -> Column:
         """d/dt dE_k/du."""
         momenta = self._slopes(self.derived.kinetic_energy, 1)
-        return self._column([self.derived.rate(p) for p in momenta])
+        return self._column([self.derived.time_derivative(p) for p in momenta])
 
     @cached_property
     def kinetic_slopes(self) -> Column:
@@ -162,7 +162,9 @@ class Truth:
     def D_i(self) -> Matrix:
         return [
             [-e for e in row]
-            for row in self._matrix(self.derived.by_rates(self.derived.load("internal_damping")))
+            for row in self._matrix(
+                self.derived.rate_coefficients(self.derived.load("internal_damping"))
+            )
         ]
 
     @cached_property
@@ -189,24 +191,24 @@ class Truth:
         d, poly = self.derived, self.derived.calculus.poly
         tail = zip(follower.LOAD.force(d.angles[-1]), d.joint(self.n), strict=True)
         weights = [
-            (poly(f), d.mean(d.rate(c)))
+            (poly(f), d.mean(d.time_derivative(c)))
             for point in d.link_points
             for f, c in zip(gravity.LOAD.weight(m), point, strict=True)
         ]
         dampers = [
             (
                 poly(internal_damping.LOAD.moment(a.diff(TIME), b.diff(TIME), joint)),
-                d.rate(poly(b - a)),
+                d.time_derivative(poly(b - a)),
             )
             for joint, a, b in d.springs
         ]
         drag = [
-            (poly(base[s]), d.rate(c))
+            (poly(base[s]), d.time_derivative(c))
             for s in range(self.n + 1)
             for base, c in zip(external_damping.LOAD.bases, d.joint(s), strict=True)
         ]
         return {
-            "follower": self._by_power((poly(f), d.rate(c)) for f, c in tail),
+            "follower": self._by_power((poly(f), d.time_derivative(c)) for f, c in tail),
             "gravity": self._by_power(weights),
             "internal_damping": self._by_power(dampers),
             "external_damping": self._by_power(drag),

@@ -22,8 +22,8 @@ ATOL = 0.01  # of rtol, as the default tolerances of scenes are
 def quantities(solution: rodgen.Solution) -> dict[str, Array]:
     """What is compared, each (T, parts): velocities are those of joint 0 where it is free."""
     count = len(solution.t)
-    base = 2 * solution.hold.translates
-    half = (solution.y.shape[1] - len(solution.added)) // 2
+    base = 2 * solution.boundary_condition.translates
+    half = (solution.y.shape[1] - len(solution.extra_states)) // 2
     work = np.reshape([*solution.work.values()], (-1, count)).T
     found = {
         ANGLES: solution.y[:, base:half],

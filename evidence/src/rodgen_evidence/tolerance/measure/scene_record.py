@@ -6,7 +6,7 @@ from types import ModuleType
 from typing import Any
 
 import rodgen
-from rodgen.integrate.methods.choose import fastest_motion
+from rodgen.integrate.methods.method_choice import fastest_motion
 from rodgen.integrate.stepper import StepError
 from rodgen.system import System
 from rodgen_evidence.tolerance.measure.error_kinds import ATOL, Array, apart, quantities

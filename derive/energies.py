@@ -1,0 +1,253 @@
+"""Energies, power and geometry for every n, as sums over the links and joints.
+
+They follow from the same kinematics and laws as the equations; generated modules have them beside
+the equations.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cached_property, partial
+
+from sympy import Add, Eq, Expr, Piecewise, S, Sum, collect, cos, expand, sin
+from sympy.physics.mechanics import dynamicsymbols
+
+from .chain import (
+    LINEAR,
+    OWN,
+    Vector,
+    combine,
+    lever,
+    normal_angle,
+    side_lever,
+    spring_moment,
+    spring_potential,
+)
+from .general import GeneralEquations
+from .link_properties import Rod
+from .loads import supports
+from .loads.kinds import AppliedForces, MassForce
+from .polynomials import TIME
+from .symbols import (
+    ALPHA,
+    arm_x,
+    arm_y,
+    eta,
+    i,
+    joint,
+    joint_vx,
+    joint_vy,
+    joint_x,
+    joint_y,
+    k,
+    l,
+    n,
+    omega,
+    phi,
+    reach_x,
+    reach_y,
+    s,
+    xi,
+)
+
+SUPPORTS = supports.LOAD.term
+
+
+@dataclass(frozen=True)
+class Quantities:
+    """Energies, power, momenta and geometry of a chain."""
+
+    equations: GeneralEquations
+
+    def _link_mean(
+        self, origin: Vector, angle: Expr, function: Callable[[Expr, Expr], Expr]
+    ) -> Expr:
+        """Mean over the mass of link i of a function of the point at xi."""
+        rod = self.equations.rod
+        beside = [side_lever(OWN, eta)] if rod.has_offset_mass else []
+        point = combine(
+            origin, [lever(OWN, xi), *beside], [angle, normal_angle(angle)][: 1 + len(beside)]
+        )
+        return rod.mean(expand(function(*point)), i)
+
+    def _integrate_over_mass(
+        self,
+        function: Callable[[Expr, Expr], Expr],
+        origin: Vector = (S.Zero, S.Zero),
+        part: Expr = S.One,
+    ) -> Expr:
+        """Integral over the mass of the links that move of ``part`` times a function of the point
+        at xi, whose coordinates depend on time; origin: the joint before link i."""
+        x, y, angle = dynamicsymbols("x y phi", real=True)
+        mean = expand(self._link_mean((x, y), angle, function))
+        collected = expand(mean.subs(sin(angle) ** 2, 1 - cos(angle) ** 2))
+        values = {x.diff(TIME): joint_vx[i], y.diff(TIME): joint_vy[i]}
+        values[angle.diff(TIME)] = omega[i]
+        there = {x: origin[0], y: origin[1], angle: phi[i]}
+        per_mass = collected.subs(values).subs(there)
+        mass = part * self.equations.rod.mass(i)
+        return Sum(mass * per_mass, (i, self.equations.boundary_condition.first, n - 1))
+
+    @cached_property
+    def kinetic_energy(self) -> Expr:
+        """Kinetic energy [J]: half the squared velocity, integrated over the moving mass."""
+        return self._integrate_over_mass(
+            lambda x, y: x.diff(TIME) ** 2 + y.diff(TIME) ** 2, part=S.Half
+        )
+
+    @cached_property
+    def momentum(self) -> Vector:
+        """Momentum of the rod with its bodies [N s]."""
+        x, y = (
+            self._integrate_over_mass(of)
+            for of in (lambda x, _: x.diff(TIME), lambda _, y: y.diff(TIME))
+        )
+        return x, y
+
+    @cached_property
+    def angular_momentum(self) -> Expr:
+        """Angular momentum [N m s], of a rod that moves freely about its centre of gravity, else
+        about the start of the first link that moves."""
+        boundary, origin = self.equations.boundary_condition, (arm_x[i], arm_y[i])
+        if boundary.is_held:
+            origin = (reach_x[i] - reach_x[boundary.first], reach_y[i] - reach_y[boundary.first])
+        return self._integrate_over_mass(lambda x, y: x * y.diff(TIME) - y * x.diff(TIME), origin)
+
+    @cached_property
+    def reaction_moment(self) -> Expr:
+        """Moment [N m] of the clamps on the links that move, by springs and dampers."""
+        equations = self.equations
+        first = equations.boundary_condition.first
+        start = equations.inner_moment.subs(s, first) if first else equations.root_moment
+        return start - equations.tail_moment
+
+    @cached_property
+    def support_forces(self) -> tuple[Expr, ...]:
+        """Force of the support of link i on it [N], and its moment [N m]; none without supports."""
+        supports = self.equations.loads.get(SUPPORTS)
+        return () if supports is None else tuple(supports.link_arrays().values())
+
+    @cached_property
+    def start_loads(self) -> tuple[Expr, ...]:
+        """Forces [N] of the loads on link i at its start; empty where there are none."""
+        boundary, loads = self.equations.boundary_condition, self.equations.loads.values()
+        parts = zip(
+            (S.Zero, S.Zero), *(load.start_force(i, boundary) for load in loads), strict=True
+        )
+        total = tuple(_piecewise_by_link(Add(*part)) for part in parts)
+        return total if any(total) else ()
+
+    @cached_property
+    def curvature(self) -> Expr:
+        """Curvature at the spring in joint s [1/m]: its moment in an even rod over the bending
+        stiffness."""
+        boundary, length = self.equations.boundary_condition, k * l
+        ends = (
+            (ALPHA, phi[0], boundary.root),
+            (phi[n - 1], ALPHA, boundary.tail),
+            (phi[s - 1], phi[s], 1),
+        )
+        even = Rod()
+        root, tail, inner = (
+            spring_moment(before, after, even.stiffness(s, size) / length)
+            for before, after, size in ends
+        )
+        return Piecewise((root, Eq(s, 0)), (tail, Eq(s, n)), (inner, True))
+
+    @cached_property
+    def spring_energy(self) -> Expr:
+        """Energy of all springs [J]."""
+        root, tail, inner = self._spring_values(s, spring_potential)
+        return root + tail + Sum(inner, (s, 1, n - 1))
+
+    def _spring_values(self, at: Expr, of: Callable[..., Expr]) -> list[Expr]:
+        """Values of ``of`` for the springs in the root, in the tail and in an inner joint."""
+        boundary, rod = self.equations.boundary_condition, self.equations.rod
+        springs = (
+            (ALPHA, phi[0], rod.stiffness(0, boundary.root)),
+            (phi[n - 1], ALPHA, rod.stiffness(n, boundary.tail)),
+            (phi[at - 1], phi[at], rod.stiffness(at)),
+        )
+        return [of(*spring, self.equations.law) for spring in springs]
+
+    @cached_property
+    def bending_moment(self) -> Expr:
+        """Moment of the spring in a joint on the link before it [N m]; zero without a spring."""
+        moments = self._spring_values(joint, spring_moment)
+        if self.equations.law == LINEAR:
+            moments = [collect(expand(moment), k) for moment in moments]
+        root, tail, inner = moments
+        return Piecewise((root, Eq(joint, 0)), (tail, Eq(joint, n)), (inner, True))
+
+    @cached_property
+    def anchor_energy(self) -> Expr:
+        """Energy of the springs to the ground, of supports and the foundation [J]."""
+        return sum((x.energy(self.equations) for x in self.equations.loads.values()), S.Zero)
+
+    @cached_property
+    def forces(self) -> dict[str, AppliedForces]:
+        """Loads that act as forces on joints, by term."""
+        loads = self.equations.loads.items()
+        acting = {
+            term: load.applied_forces(self.equations.boundary_condition) for term, load in loads
+        }
+        return {term: load for term, load in acting.items() if load is not None}
+
+    @cached_property
+    def load_energy(self) -> Expr:
+        """Potential of the loads that act on mass [J]: minus their work from the origin to every
+        link; zero where there are none."""
+        origin, total = (joint_x[i], joint_y[i]), S.Zero
+        for load in self.equations.loads.values():
+            if isinstance(load, MassForce):
+                potential = partial(load.potential, self.equations.rod.mass(i))
+                fall = self._link_mean(origin, phi[i], potential)
+                total += Sum(fall, (i, 0, n - 1))
+        return total
+
+    @cached_property
+    def power(self) -> dict[str, Expr]:
+        """Power of each load that has no potential [W], by term."""
+        loads = {t: load for t, load in self.equations.loads.items() if not load.conservative}
+        return {term: load.power(self.equations) for term, load in loads.items()}
+
+    @cached_property
+    def centre(self) -> Vector:
+        """Centre of gravity."""
+        return self._centre((joint_x[i], joint_y[i]))
+
+    @cached_property
+    def centre_from_start(self) -> Vector:
+        """Centre of gravity relative to joint 0: no digits are lost far from the origin."""
+        return self._centre((reach_x[i], reach_y[i]))
+
+    def _centre(self, origin: Vector) -> Vector:
+        x = self._link_mean(origin, phi[i], lambda x, y: x)
+        y = self._link_mean(origin, phi[i], lambda x, y: y)
+        rod = self.equations.rod
+        if not rod.has_link_masses:
+            return Sum(x, (i, 0, n - 1)) / n, Sum(y, (i, 0, n - 1)) / n
+        mass = rod.mass(i)
+        sums = [Sum(value, (i, 0, n - 1)) for value in (mass * x, mass * y, mass)]
+        return sums[0] / sums[2], sums[1] / sums[2]
+
+    @cached_property
+    def second_moments(self) -> tuple[Expr, Expr, Expr]:
+        """Integrals of y^2, x^2 and xy over the mass, about the centre of gravity: the moments
+        of inertia about the x and y axes and the product of inertia."""
+        origin = (arm_x[i], arm_y[i])
+        products = (lambda x, y: y**2, lambda x, y: x**2, lambda x, y: x * y)
+        means = (self._link_mean(origin, phi[i], f) for f in products)
+        mass = self.equations.rod.mass(i)
+        first, second, third = (Sum(mass * value, (i, 0, n - 1)) for value in means)
+        return first, second, third
+
+
+def _piecewise_by_link(total: Expr) -> Expr:
+    """Piecewise of a sum whose terms differ at single links: at each of these, and elsewhere."""
+    named = sorted({equality.rhs for equality in total.atoms(Eq)})
+    elsewhere = total.replace(
+        lambda e: isinstance(e, Piecewise) and e.has(Eq), lambda e: e.args[-1][0]
+    )
+    return Piecewise(*((total.subs(i, link), Eq(i, link)) for link in named), (elsewhere, True))

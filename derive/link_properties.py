@@ -1,0 +1,84 @@
+"""Mass of the links and stiffness of the joints of a rod, uniform or differing along it."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+
+from sympy import Expr, Poly, S, sympify
+
+from rodgen.model import rod as rows
+from rodgen.model.parameter import LINKS
+
+from .inertia import mass_mean
+from .symbols import PARAMETERS, eta, k, m, xi
+
+joint_stiffness, link_mass = PARAMETERS["joint_stiffness"], PARAMETERS["link_mass"]
+centre = tuple(PARAMETERS[row.name] for row in rows.CENTRE)
+spread = tuple(PARAMETERS[row.name] for row in rows.SPREAD)
+
+
+def link_parameters(nonuniform: Iterable[str]) -> list[str]:
+    """Names of the parameters with a number for every link."""
+    ways = (rows.NONUNIFORM[what].parameters for what in nonuniform)
+    return [one.name for way in ways for one in way if one.each == LINKS]
+
+
+@dataclass(frozen=True)
+class Joint:
+    """Spring in a joint, zero where there is none: its size, in springs between links of an even
+    rod, and its stiffness [N m/rad]."""
+
+    size: Expr
+    stiffness: Expr
+
+
+@dataclass(frozen=True)
+class Rod:
+    """Distribution of mass and stiffness. inertia: how the mass of a link lies along it;
+    nonuniform: what differs along the rod, of model.rod.NONUNIFORM."""
+
+    inertia: str = "uniform"
+    nonuniform: tuple[str, ...] = ()
+
+    def stiffness(self, at: Expr | int, size: int = 1) -> Expr:
+        """Stiffness of the spring in a joint [N m/rad], zero where there is none; size: of an even
+        rod, in springs between links."""
+        if "stiffness" in self.nonuniform:
+            return joint_stiffness[at] if size else S.Zero
+        return sympify(size) * k
+
+    def joint(self, at: Expr | int, size: int = 1) -> Joint:
+        """The spring in a joint."""
+        return Joint(sympify(size), self.stiffness(at, size))
+
+    @property
+    def has_link_masses(self) -> bool:
+        """Whether links differ in their mass."""
+        return not {"mass", "bodies", "points"}.isdisjoint(self.nonuniform)
+
+    @property
+    def has_offset_mass(self) -> bool:
+        """Whether there is mass beside the links."""
+        return "bodies" in self.nonuniform
+
+    def mass(self, link: Expr | int) -> Expr:
+        """Mass of a link with all that is fixed to it [kg]."""
+        return link_mass[link] if self.has_link_masses else m
+
+    def mean(self, expression: Expr, link: Expr | int) -> Expr:
+        """Mean over the mass of a link of a polynomial in xi and, beside it, eta."""
+        if not {"bodies", "points"} & {*self.nonuniform}:
+            return mass_mean(self.inertia, expression)
+        terms = Poly(expression, xi, eta).terms()
+        return sum((c * self.mass_moment(a, b, link) for (a, b), c in terms), start=S.Zero)
+
+    def mass_moment(self, along: int, beside: int, link: Expr | int) -> Expr:
+        """Mean of xi**along eta**beside over the mass of a link with its bodies."""
+        a, b = (base[link] for base in centre)
+        if "points" in self.nonuniform:  # all mass stands at xi = 0 or 1
+            return S.Zero if beside else a if along else S.One
+        s_aa, s_bb, s_ab = (base[link] for base in spread)
+        known = {(0, 0): S.One, (1, 0): a, (0, 1): b}
+        known |= {(2, 0): a**2 + s_aa, (0, 2): b**2 + s_bb, (1, 1): a * b + s_ab}
+        return known[along, beside]

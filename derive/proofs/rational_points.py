@@ -1,0 +1,210 @@
+"""Exact evaluation at random rational points, for chains too long to compare symbolically.
+
+Angles are taken from Pythagorean triples, so that cosine and sine are rational and every number
+below is exact: an entry agrees or it does not, no tolerance is involved.
+"""
+
+from __future__ import annotations
+
+import random
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from fractions import Fraction
+from functools import partial
+from typing import Any
+
+from sympy import Eq, Expr, IndexedBase, Sum, Symbol
+
+from ..closed_form import Arithmetic, ClosedForm, link_masses
+from ..general import GeneralEquations
+from ..link_properties import joint_stiffness, link_parameters
+from ..loads import TERMS
+from ..loads.kinds import JointMoment, Load
+from ..symbols import ALPHA, PARAMETERS, i, j, joint_moment, k, l, later, m, n, omega, phi, s
+from . import exact
+from .comparison import POINTS, Comparison, DisagreementError
+from .exact import evaluate, pythagorean
+
+ENTRIES = 10_000  # of M and of Q, at most
+ROWS = 200  # of the vectors and of banded matrices, at most
+SUMMED = 200_000  # links in all sums of M and Q, at most
+REACH = 2_000  # longest sum over joints that is evaluated
+
+EXACT = Arithmetic(
+    exact.cos,
+    exact.sin,
+    Fraction(1, 2),
+    lambda term, low, high: sum(term(q) for q in range(low, high + 1)),
+)
+
+# label of an entry, derived expression, indices at which it is evaluated, value of the closed form
+Entry = tuple[str, Expr, dict[Any, int], Any]
+
+
+def prove_at_points(
+    links: int,
+    boundary: str,
+    inertia: str,
+    terms: Sequence[str] = TERMS,
+    nonuniform: Sequence[str] = (),
+    seed: int = 1,
+) -> Iterator[Comparison]:
+    """Compare entries of derivation 2 at n links with the closed form; raises DisagreementError."""
+    equations = GeneralEquations(boundary, inertia, tuple(terms), tuple(nonuniform))
+    return _Points(equations, links, seed).compare()
+
+
+class _Points:
+    """A random state of a chain in exact numbers, and the closed form there."""
+
+    def __init__(self, derived: GeneralEquations, links: int, seed: int):
+        self.derived, self.draw = derived, random.Random(seed)
+        palette = [pythagorean(self._rational()) for _ in range(30)]
+        directions = [self.draw.choice(palette) for _ in range(links)]
+        numbers, angles = {m, l, k}, set[Symbol]()
+        self.values: dict[Any, Any] = {n: links, phi: directions}
+        for load in derived.loads.values():
+            numbers |= {*load.parameters} - {*load.angles}
+            angles |= {*load.angles}
+            for base in load.per_link:
+                self.values[base] = [self._rational() for _ in range(links)]
+            for base in load.force_arrays:
+                self.values[base] = [self.draw.randint(-99, 99) for _ in range(links + 1)]
+        self.values |= {x: self._rational() for x in sorted(numbers, key=str)}
+        self.values |= {x: self.draw.choice(palette) for x in sorted(angles, key=str)}
+        sizes = (self.values[m], self.values[l], self.values[k])
+        lumped = derived.inertia == "lumped"
+        differing = None
+        if "stiffness" in derived.nonuniform:
+            differing = self.values[joint_stiffness] = [self._rational() for _ in range(links + 1)]
+        for name in link_parameters(derived.nonuniform):
+            self.values[PARAMETERS[name]] = [self._rational() for _ in range(links)]
+        of = {str(base): values for base, values in self.values.items()}.__getitem__
+        masses = link_masses(derived.nonuniform, of, lumped, EXACT.half)
+        of_rod = (links, *sizes, directions, derived.boundary_condition, EXACT)
+        self.closed = ClosedForm(*of_rod, lumped, differing, masses)
+        moving = self.closed.links
+        self.rows = sorted(
+            {*self.draw.sample(moving, min(len(moving), ROWS)), moving[-1], moving[0]}
+        )
+        # Where links differ, an entry sums over all behind it, and is one of links i < j.
+        most = ENTRIES if masses is None else SUMMED // links
+        few = len(moving) ** 2 <= most
+        every = ((a, b) for a in moving for b in moving if a != b)
+        pairs = every if few else (self._pair(moving) for _ in range(most))
+        self.pairs = [pair for pair in pairs if masses is None or pair[0] < pair[1]]
+
+    def _rational(self) -> Fraction:
+        return Fraction(self.draw.randint(1, 99), self.draw.randint(1, 99))
+
+    def _pair(self, moving: range) -> tuple[int, int]:
+        a, b = self.draw.sample(moving, 2)
+        return a, b
+
+    def compare(self) -> Iterator[Comparison]:
+        """Yield the comparisons of M, Q, K and all loads."""
+        derived, closed = self.derived, self.closed
+        yield self._compare_entries("M", self._mass_entries())
+        yield self._compare_entries("Q", self._velocity_entries())
+        joined = derived.boundary_condition.spring_joints(closed.n)
+        if joined:
+            moments = derived.spring, derived.root_spring, derived.tail_spring
+            yield self._compare_entries(
+                "K", self._bending_entries(moments, phi, closed.spring_stiffness, ALPHA)
+            )
+        for load in derived.loads.values():
+            if isinstance(load, JointMoment):
+                if joined:
+                    moments = (
+                        load.inner_moment(derived),
+                        load.root_moment(derived),
+                        load.tail_moment(derived),
+                    )
+                    damping = partial(load.coefficient_by_hand, closed, self._value)
+                    yield self._compare_entries(
+                        load.letter, self._bending_entries(moments, omega, damping)
+                    )
+            else:
+                yield self._compare_entries(load.letter, self._load_entries(load))
+
+    def _value(self, of: Any) -> Any:
+        """A parameter, an array or an expression in exact numbers."""
+        return self.values[of] if of in self.values else evaluate(of, self.values)
+
+    def _compare_entries(self, name: str, entries: Iterable[Entry]) -> Comparison:
+        count = 0
+        for label, expression, at, by_hand in entries:
+            value = evaluate(expression, {**self.values, **at})
+            if value != by_hand:
+                raise DisagreementError(POINTS, f"{name}[{label}]", value, by_hand)
+            count += 1
+        return Comparison(name, POINTS, count)
+
+    def _mass_entries(self) -> Iterator[Entry]:
+        derived, closed = self.derived, self.closed
+        yield from self._pair_entries(derived.mass_link_link, closed.M_link_link)
+        for a in self.rows:
+            yield f"phi_{a},phi_{a}", derived.mass_link, {i: a}, closed.M_link(a)
+        if derived.boundary_condition.translates:
+            yield "x0,x0", derived.mass_base, {}, closed.M_base()
+            yield from self._column_entries(derived.mass_base_link, closed.M_base_link)
+
+    def _velocity_entries(self) -> Iterator[Entry]:
+        derived, closed = self.derived, self.closed
+        yield from self._pair_entries(derived.velocity_link_link, closed.Q_link_link)
+        if derived.boundary_condition.translates:
+            yield from self._column_entries(derived.velocity_base_link, closed.Q_base_link)
+
+    def _pair_entries(
+        self, expression: Expr, by_hand: Callable[[int, int, int], Any]
+    ) -> Iterator[Entry]:
+        for a, b in self.pairs:
+            at = {i: a, j: b, later: max(a, b)}
+            yield f"phi_{a},phi_{b}", expression, at, by_hand(a, b, max(a, b))
+
+    def _column_entries(
+        self, expressions: Sequence[Expr], by_hand: Callable[[int], Sequence[Any]]
+    ) -> Iterator[Entry]:
+        for a in self.rows:
+            for axis, expression, hand in zip("xy", expressions, by_hand(a), strict=True):
+                yield f"{axis}0,phi_{a}", expression, {i: a}, hand
+
+    def _load_entries(self, load: Load) -> Iterator[Entry]:
+        work, closed = load.generalised_forces(self.derived), self.closed
+        assert work is not None
+        sums = any(e.has(Sum) for e in (*work.base, work.link))
+        if self.derived.boundary_condition.translates and (not sums or closed.n <= REACH):
+            by_hand = load.base_by_hand(closed, self._value)
+            for axis, expression, value in zip("xy", work.base, by_hand, strict=True):
+                yield f"{axis}0", expression, {}, value
+        for a in self.rows:
+            if not sums or closed.n - a <= REACH:
+                yield f"phi_{a}", work.link, {i: a}, load.link_by_hand(closed, a, self._value)
+
+    def _bending_entries(
+        self,
+        moments: tuple[Expr, Expr, Expr],
+        of: IndexedBase,
+        factor: Callable[[int, int], Any],
+        clamp: Symbol | None = None,
+    ) -> Iterator[Entry]:
+        """Coefficients of the three links that bend a link, from the moments at its ends, of inner
+        joints, root and tail; factor: coefficient of a joint of a size in the closed form; clamp:
+        angle before the first link and behind the last, unless it is zero."""
+        inner, root, tail = moments
+        last = self.closed.n - 1
+        work = self.derived.link_moment.subs(n, self.closed.n)
+        for a in self.rows:
+            start = inner.subs(s, i) if a else root.xreplace({of[0]: of[i]})
+            here = work.subs({Eq(i, at): at == a for at in (0, last)})
+            end = inner.subs(s, i + 1) if a < last else tail.subs(n, i + 1)
+            here = here.xreplace({joint_moment[i]: start, joint_moment[i + 1]: end})
+            ends = 1 if a else self.closed.root_size, 1 if a < last else self.closed.tail_size
+            row = self.closed.bending_row(factor(a, ends[0]), factor(a + 1, ends[1]))
+            behind = clamp if a == last and self.closed.tail_size else of[i + 1]
+            neighbours = (of[i - 1] if a else clamp, of[i], behind)
+            by_hand: dict[Any, Any] = {}
+            for neighbour, hand in zip(neighbours, row, strict=True):
+                by_hand[neighbour] = by_hand.get(neighbour, 0) + hand
+            for neighbour, hand in by_hand.items():
+                if neighbour is not None:
+                    yield f"phi_{a},{neighbour}", -here.diff(neighbour), {i: a}, hand

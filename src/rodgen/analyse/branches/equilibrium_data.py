@@ -1,0 +1,158 @@
+"""Branches of equilibria as xarray Datasets with one dimension along them: write and read."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import numpy as np
+
+from rodgen.analyse.branches.equilibria import Equilibria
+from rodgen.analyse.branches.steady_motions import SteadyMotions
+from rodgen.analyse.curves import curve_files
+from rodgen.analyse.curves.curve import Curve, CurvePoint, SpecialPoint
+from rodgen.analyse.curves.curve_datasets import (
+    SPECIAL_ROWS,
+    attributes,
+    lengths,
+    point_number,
+    resume_numbers,
+    scene_of,
+    special_variables,
+)
+from rodgen.analyse.steady_state import SteadyState
+from rodgen.arrays import Array
+from rodgen.dataset_result import POINT, PREFIX, SPECIAL, dataset_variables
+from rodgen.result import Row, doubt
+from rodgen.scene import Scene
+from rodgen.system import System
+
+if TYPE_CHECKING:
+    import xarray
+
+FORMAT = "rodgen branch 1"
+UNKNOWN = -1  # unstable directions, where they were not looked at
+DIMS = {"phi": ("link",), "tip": ("axis",), "y": ("state",), "force": ("cell", "axis")}
+ROWS = (
+    Row("value", "{key}", along=POINT),
+    Row("unstable", "unstable directions", along=POINT, unknown=UNKNOWN),
+    Row("tip", "place of the tail", "m", along=POINT),
+    Row("phi", "angles of the links", "rad", along=POINT),
+    Row("turning", "rate of turning", "rad/s", along=POINT),
+    Row("y", "state", along=POINT),
+    Row("force", "joint forces over the mass", "m/s2", along=POINT),
+    Row("length", "length along the branch", along=POINT),
+    Row("end", "ends"),
+    *SPECIAL_ROWS,
+    Row("special_value", "{key}", along=SPECIAL),
+    Row("special_frequency", "frequency", "Hz", along=SPECIAL),
+    Row("special_tip", "place of the tail", "m", along=SPECIAL),
+    Row("special_phi", "angles of the links", "rad", along=SPECIAL),
+    Row("special_note", "note", along=SPECIAL),
+)
+
+
+@dataclass(frozen=True)
+class EquilibriumBranch:
+    """A curve of steady states of a scene; number: of the branch point it was entered by, or 0."""
+
+    scene: Scene
+    key: str
+    problem: Equilibria
+    curve: Curve
+    number: int = 0
+
+    def state(self, point: CurvePoint | SpecialPoint) -> SteadyState:
+        """The steady state at a point."""
+        return self.problem.steady_state(point.u)
+
+
+def dataset(branch: EquilibriumBranch) -> xarray.Dataset:
+    """Make the Dataset of a branch."""
+    import xarray  # only where it is needed: it takes long to import
+
+    points, special = branch.curve.points, branch.curve.special
+    unstable = [UNKNOWN if p.unstable is None else p.unstable for p in points]
+    values: dict[str, Any] = _state_variables(branch, points)
+    values["unstable"] = np.array(unstable, dtype=np.int32)
+    values["length"] = lengths(branch.problem, branch.curve)
+    values |= {
+        f"{PREFIX}{name}": value for name, value in _state_variables(branch, special).items()
+    }
+    values |= special_variables(special)
+    values["special_frequency"] = np.array([one.frequency for one in special])
+    values["special_note"] = np.array([one.note for one in special], dtype="U200")
+    notes = [*branch.curve.notes]
+    if branch.problem.why_unknown:
+        notes.append(doubt(f"stability is not known everywhere: {branch.problem.why_unknown}"))
+    t = branch.problem.along.base.t
+    said = attributes(FORMAT, branch.scene, replace(branch.curve, notes=notes), t)
+    moving = isinstance(branch.problem, SteadyMotions)
+    if moving:
+        rates = [branch.problem.steady_state(point.u).y for point in points]
+        base, half = branch.problem.along.base.n_base, len(rates[0]) // 2
+        turning = [float(y[half + base]) for y in rates]
+        values["turning"] = np.array(turning)
+    said |= {"key": branch.key, "switch": branch.number, "moving": int(moving)}
+    dims = DIMS | {f"{PREFIX}{name}": over for name, over in DIMS.items()}
+    data = dataset_variables(ROWS, values, dims, key=branch.key)
+    return xarray.Dataset(data, {"axis": ["x", "y"]}, said)
+
+
+def _state_variables(
+    branch: EquilibriumBranch, points: Sequence[CurvePoint | SpecialPoint]
+) -> dict[str, Array]:
+    """Variables of the steady states at points, by name."""
+    problem, base = branch.problem, branch.problem.along.base
+    n, cells = base.scene.rod.links, base.n_moving
+    shapes = {"value": (), "phi": (n,), "tip": (2,), "y": (len(base.scene.initial_state()),)}
+    made = {name: np.zeros((len(points), *shape)) for name, shape in shapes.items()}
+    made["force"] = np.zeros((len(points), cells, 2))
+    low, high = problem.along.bounds
+    for row, point in enumerate(points):
+        state = problem.steady_state(point.u)
+        rod, y = state.rod, state.y
+        exact = [end for end in (low, high) if problem.scale(end) == point.u[-1]]
+        made["value"][row] = exact[0] if exact else problem.value(point.u)
+        made["phi"][row] = rod.all_angles(state.phi)
+        made["tip"][row] = rod.model.joints(y, state.p)[-1]
+        made["y"][row], made["force"][row] = y, state.joint_forces
+    return made
+
+
+class SavedPoint(NamedTuple):
+    """A saved point of a branch and its neighbour, if any: values, states and joint forces; moving:
+    whether these are steady motions."""
+
+    values: list[float]
+    states: list[tuple[Array, Array]]
+    moving: bool
+
+
+def read_point(data: xarray.Dataset, scene: Scene, key: str, at: int) -> SavedPoint:
+    """Read a point of a saved branch and its neighbour. Raises InputError for a branch of another
+    scene or key, and for a point that it does not have."""
+    rows = resume_numbers(data, FORMAT, scene, {"key": key}, at)
+    states = [(data["y"].values[row], data["force"].values[row]) for row in rows]
+    return SavedPoint(
+        [float(data["value"][row]) for row in rows], states, bool(data.attrs["moving"])
+    )
+
+
+def scene_at(data: xarray.Dataset, at: int) -> Scene:
+    """Scene that starts in the state at a point of a branch; in straight flight, in the scene's own
+    state. Raises InputError for a point that the branch does not have."""
+    number = point_number(data, at)
+    system = System(scene_of(data)).at({data.attrs["key"]: float(data["value"][number])})
+    if system.boundary_condition.translates and not (
+        system.scene.anchors.support_points or data.attrs["moving"]
+    ):
+        return system.scene
+    return system.at(y0=data["y"].values[number]).scene
+
+
+def read(path: Path) -> xarray.Dataset:
+    """Read a branch from a file. Raises InputError for any other file."""
+    return curve_files.read(path, "file", "a branch", FORMAT)

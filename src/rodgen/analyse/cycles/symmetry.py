@@ -1,0 +1,121 @@
+"""Symmetry reduction of states: cycles are sought up to rigid motions of the whole rod.
+
+Where nothing depends on the place of joint 0, nor (without drag) on its velocity, these are left
+out of the reduced state. Where loads turn with the rod, or there are none, turning the whole rod
+turns the motion, and a motion that comes back turned by an angle is a cycle: a relative periodic
+motion. Symmetries are found from the derivatives of the rates, not from the names of the loads.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field, replace
+from types import ModuleType
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rodgen.arrays import Array
+from rodgen.model.rod import BOUNDARIES
+
+PLACES = 3  # states at which the derivatives are looked at
+ASIDE = 0.1  # rad, and rad/s, beside the motion: there no symmetry is by chance
+SAME = 1e-9  # of the sizes of what is compared: roundings
+
+
+@dataclass(frozen=True)
+class SymmetryReduction:
+    """Reduction of a state. kept: indices of the reduced states; turns: whether turning the rod
+    turns its motion; angles, velocity: where among those kept the angles and the velocity of joint
+    0 are (the latter empty if left out); positions: how many of them are angles or places; led:
+    where among those kept the rates of these are; origin: a state (states,) that gives the
+    others."""
+
+    kept: NDArray[np.intp]
+    turns: bool
+    angles: NDArray[np.intp]
+    velocity: NDArray[np.intp]
+    positions: int
+    led: NDArray[np.intp]
+    origin: Array = field(repr=False)
+
+    @classmethod
+    def of(cls, model: ModuleType, p: Array, t: float, y: Array) -> SymmetryReduction:
+        """Find the symmetries of a module with parameters p about a state y (states,) at t [s]."""
+        base = 2 * BOUNDARIES[model.BOUNDARY].translates
+        half = (len(y) - len(getattr(model, "STATES", ()))) // 2
+        random = np.random.default_rng(1)
+        near = [y + ASIDE * random.standard_normal(len(y)) for _ in range(PLACES)]
+        J = [model.jac(t, one, p) for one in near]
+        out = list[int]()
+        for first in (0, half) if base else ():
+            pair = np.array([first, first + 1])
+            # Places are led by velocities: only what is kept must not follow them.
+            rows = np.setdiff1d(np.arange(len(y)), [*out, *pair.tolist()])
+            if any(one[np.ix_(rows, pair)].any() for one in J):
+                break
+            out += pair.tolist()
+        kept = np.setdiff1d(np.arange(len(y)), out)
+        angles = np.flatnonzero((kept >= base) & (kept < half))
+        velocity = np.flatnonzero((kept >= half) & (kept < half + base))
+        positions = int((kept < half).sum())
+        led = np.searchsorted(kept, kept[:positions] + half)
+        made = cls(kept, False, angles, velocity, positions, led, y.copy())
+        placed = base > 0 and 0 in kept
+        turns = not placed and all(
+            made._is_equivariant(model.rhs(t, one, p), matrix, one)
+            for one, matrix in zip(near, J, strict=True)
+        )
+        return replace(made, turns=turns)
+
+    def _is_equivariant(self, f: Array, J: Array, y: Array) -> bool:
+        """Whether rates f with the derivatives J turn with the state, to first order."""
+        way = self.turning(y[self.kept])
+        there = J[np.ix_(self.kept, self.kept)]
+        change, f = there @ way - self._quarter_turn(f[self.kept]), f[self.kept]
+        sizes = np.abs(there) @ np.abs(way) + np.abs(self._quarter_turn(f))
+        return bool((np.abs(change) <= SAME * np.maximum(sizes, 1e-6 * sizes.max())).all())
+
+    def _quarter_turn(self, x: Array) -> Array:
+        """Velocities of joint 0 turned by a right angle, and zeros."""
+        made = np.zeros_like(x)
+        if len(self.velocity):
+            vx, vy = self.velocity
+            made[..., vx], made[..., vy] = -x[..., vy], x[..., vx]
+        return made
+
+    @property
+    def size(self) -> int:
+        """Number of reduced states."""
+        return len(self.kept)
+
+    def turning(self, x: Array) -> Array:
+        """Derivative of the reduced states (size,) by the angle by which the rod is turned."""
+        way = self._quarter_turn(x)
+        way[..., self.angles] = 1.0
+        return way
+
+    def rotate(self, x: Array, angle: float) -> Array:
+        """Turn reduced states x (..., size) with the rod by an angle [rad]."""
+        made = x.copy()
+        made[..., self.angles] += angle
+        if len(self.velocity):
+            across = self._quarter_turn(x)
+            at = self.velocity
+            made[..., at] = np.cos(angle) * x[..., at] + np.sin(angle) * across[..., at]
+        return made
+
+    def rotate_columns(self, V: Array, angle: float) -> Array:
+        """Turn directions V (size, k) by an angle [rad]."""
+        if not len(self.velocity):
+            return V
+        made = V.copy()
+        at = self.velocity
+        made[at] = np.cos(angle) * V[at] + np.sin(angle) * self._quarter_turn(V.T).T[at]
+        return made
+
+    def lift(self, x: Array, like: Array | None = None) -> Array:
+        """Expand reduced states to whole ones (..., states); like: a state that gives the rest."""
+        rest = self.origin if like is None else like
+        made = np.broadcast_to(rest, (*x.shape[:-1], len(rest))).copy()
+        made[..., self.kept] = x
+        return made

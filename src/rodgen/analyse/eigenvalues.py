@@ -1,0 +1,231 @@
+"""Eigenvalues of quadratic pencils: all of them, dense; the lowest, sparse, in O(n)."""
+
+from __future__ import annotations
+
+from contextlib import suppress
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.linalg import eigh, null_space
+from scipy.sparse import csc_array
+from scipy.sparse.linalg import ArpackError, LinearOperator, eigs, splu
+
+from rodgen.analyse.pencil import (
+    BlockPencil,
+    DensePencil,
+    MatrixPencil,
+    first_order_matrix,
+    product,
+)
+from rodgen.arrays import Array
+from rodgen.errors import AnalysisError
+
+ZERO = 1e-7  # of the largest frequency: zero, and the square root of rounding
+LEAST = 1e-13  # of the largest |s|
+SPARE = 8  # eigenvalues beyond those asked for
+MOST_DENSE = 500  # links of which all eigenvalues are computed where that is the last resort
+ENOUGH = 1e-9  # of the inverse of what is sought: its error where a sign is asked for
+SETTLED = 1e-14  # of |s|: a correction that is rounding
+Complex = NDArray[np.complex128]
+
+
+@dataclass(frozen=True)
+class EigenSolution:
+    """Eigenvalues and eigenvectors of a pencil. s: [1/s] (k,), of every conjugate pair and, without
+    damping, of every pair of opposites the one with imaginary part >= 0 (else with the positive
+    real part), without those of rigid motions; vectors (coordinates, k)."""
+
+    s: Complex
+    vectors: Complex
+
+
+def all_eigenvalues(pencil: BlockPencil | DensePencil, turns: bool = False) -> EigenSolution:
+    """Compute every eigenvalue, in O(n^3). turns: the rod turns freely, with eigenvalue zero."""
+    dense = pencil.to_dense()
+    if dense.added:
+        s, vectors = np.linalg.eig(first_order_matrix(*dense.parts, dense.added))
+        own = len(dense.K) - dense.added
+        return _drop_zeros(_upper_half_plane(s.astype(complex), vectors[:own].astype(complex)))
+    if isinstance(pencil, DensePencil):  # external damping, which leaves zeros of rigid motions
+        return _drop_zeros(_solve_dense(dense, singular=True))
+    if not turns:
+        return _solve_dense(dense)
+    # Virtual work on turning is s^2 (M turn) a: motions orthogonal to M turn are without it.
+    turn = np.ones(pencil.n_moving)
+    basis = null_space((dense.M @ turn)[None])
+    found = _solve_dense(dense.project(basis))
+    angles, s = basis @ found.vectors, found.s
+    pulls = [turn @ part @ angles for part in dense.parts]  # by K, C and M, on every motion
+    pull = pulls[0] + s * pulls[1] + s * s * pulls[2]
+    return EigenSolution(s, angles - pull / (s * s * (turn @ dense.M @ turn)))
+
+
+def _solve_dense(dense: DensePencil, singular: bool = False) -> EigenSolution:
+    """Solve a dense pencil, by the inverse where K is regular: slow motions keep their digits."""
+    if not len(dense.K):
+        return EigenSolution(np.zeros(0, dtype=complex), np.zeros((0, 0), dtype=complex))
+    if not dense.is_damped:
+        squares, columns = np.linalg.eig(np.linalg.solve(dense.M, -dense.K))
+        return EigenSolution(square_roots(squares), columns.astype(complex))
+    if not singular:
+        with suppress(np.linalg.LinAlgError):
+            inverse, vectors = _companion(dense.K, dense.C, dense.M)
+            return _upper_half_plane(1 / inverse, vectors)
+    return _upper_half_plane(*_companion(dense.M, dense.C, dense.K))
+
+
+def _companion(last: Array, middle: Array, first: Array) -> tuple[Complex, Complex]:
+    """Eigenvalues z and vectors of z^2 last + z middle + first, by the companion matrix."""
+    size = len(last)
+    A, B = (np.linalg.solve(last, -matrix) for matrix in (first, middle))
+    zero, one = np.zeros((size, size)), np.eye(size)
+    values, columns = np.linalg.eig(np.block([[zero, one], [A, B]]))
+    return values.astype(complex), columns[:size].astype(complex)
+
+
+def _upper_half_plane(s: Complex, vectors: Complex) -> EigenSolution:
+    here = s.imag >= 0
+    return EigenSolution(s[here], vectors[:, here])
+
+
+def refine_eigenvalues(pencil: BlockPencil, found: EigenSolution, wanted: Array) -> EigenSolution:
+    """Correct the eigenvalues numbered in ``wanted`` by Newton's method on det S(s) = 0 with the
+    banded S; those that would move towards others are left."""
+    s = found.s.copy()
+    for at in wanted:
+        others = np.abs(np.delete(found.s, at) - found.s[at])
+        s[at] = _refine_eigenvalue(pencil, complex(s[at]), float(others.min(initial=np.inf)) / 10)
+    return EigenSolution(s, found.vectors)
+
+
+def _refine_eigenvalue(pencil: BlockPencil, start: complex, farthest: float) -> complex:
+    s, start_vector = start, np.cos(np.arange(pencil.size) ** 2 / 7.0)
+    x = y = start_vector.astype(complex)
+    for _ in range(6):
+        S = pencil.at(s).astype(complex)
+        x, y = pencil.solve(S, x), pencil.solve(S, y, transposed=True)
+        x, y = x / np.linalg.norm(x), y / np.linalg.norm(y)
+        slope = y @ product(pencil.derivative(s), x)
+        change = -(y @ product(pencil.at(s), x)) / slope if slope else 0.0
+        s += change
+        if not abs(s - start) <= farthest:
+            return start
+        if abs(change) <= SETTLED * abs(s):
+            break
+    return s
+
+
+def lowest_eigenvalues(pencil: BlockPencil, count: int, turning: Array | None) -> EigenSolution:
+    """Compute the eigenvalues of smallest modulus, by ARPACK on the inverse.
+
+    turning: the rigid rotation of a rod that turns freely, whose eigenvalue zero is removed. Raises
+    AnalysisError.
+    """
+    linear = _without_turning(pencil, turning)
+    S0, S1, S2 = linear.parts
+    size, factors = S0.shape[0], _factorise(S0)
+
+    def undamped_operator(z: Array) -> Array:
+        return -np.asarray(factors.solve(S2 @ z))
+
+    def damped_operator(z: Array) -> Array:
+        return np.concatenate((-factors.solve(S1 @ z[:size] + S2 @ z[size:]), z[:size]))
+
+    times, order = (damped_operator, 2 * size) if pencil.is_damped else (undamped_operator, size)
+    wanted = min((2 * count if pencil.is_damped else count) + SPARE, order - 2)
+    start = np.cos(np.arange(order) ** 2 / 7.0)  # no symmetry; the same on every run
+    operator = LinearOperator((order, order), matvec=lambda z: times(np.ravel(z)), dtype=float)
+    try:
+        inverse, vectors = eigs(operator, k=wanted, v0=start, ncv=min(2 * wanted + 20, order))
+    except ArpackError as error:
+        raise AnalysisError(f"the lowest eigenvalues were not found: {error}") from None
+    there = np.abs(inverse) > 0
+    values, vectors = 1 / inverse[there], vectors[:, there]
+    angles = vectors[0 : 3 * pencil.n_moving : 3]
+    if turning is not None:  # rotation by the moment, added to every link
+        angles = angles + vectors[size - 1] / (values**2 if pencil.is_damped else values)
+    return _upper_half_plane(values if pencil.is_damped else square_roots(values), angles)
+
+
+def nearest_eigenvalues(
+    pencil: BlockPencil, shift: complex, count: int, turning: Array | None
+) -> Complex:
+    """Compute the eigenvalues nearest to a number, by ARPACK with shift and invert. turning: the
+    rigid rotation of a rod that turns freely. Raises AnalysisError."""
+    linear = _without_turning(pencil, turning)
+    S0, S1, S2 = linear.parts
+    size, factors = S0.shape[0], _factorise(linear.at(complex(shift)))
+
+    def shifted_operator(z: Complex) -> Complex:
+        x, rate = z[:size], z[size:]
+        moved = -factors.solve(S1 @ x + S2 @ (shift * x + rate))
+        return np.concatenate((moved, x + shift * moved))
+
+    start = np.cos(np.arange(2 * size) ** 2 / 7.0).astype(complex)
+    shape = (2 * size, 2 * size)
+    operator = LinearOperator(shape, matvec=lambda z: shifted_operator(z.ravel()), dtype=complex)
+    try:
+        found = eigs(operator, k=count, v0=start, tol=ENOUGH, return_eigenvectors=False)
+    except ArpackError:
+        raise AnalysisError(f"the eigenvalues next to {shift:.3g} were not found") from None
+    return np.asarray(shift + 1 / found)
+
+
+def _without_turning(pencil: BlockPencil, turning: Array | None) -> MatrixPencil:
+    return (
+        MatrixPencil.of(pencil)
+        if turning is None
+        else MatrixPencil.without_rotation(pencil, turning)
+    )
+
+
+def _factorise(S: Any) -> Any:
+    try:
+        return splu(csc_array(S))
+    except RuntimeError:
+        raise AnalysisError(
+            "the linearised equations are singular: a static equilibrium is about to lose its "
+            "stability, or the rod is free to move in a way that was not expected"
+        ) from None
+
+
+def lowest_shapes(pencil: BlockPencil, count: int, turning: Array | None) -> tuple[Array, Array]:
+    """Compute squared frequencies [1/s^2] and shapes (coordinates, count) of the slowest undamped
+    motions, scaled to a largest angle of 1.
+
+    turning: the rigid rotation of a rod that turns freely; shapes are orthogonal to it in the mass
+    matrix. Raises AnalysisError.
+    """
+    bare = BlockPencil(pencil.S0, np.zeros_like(pencil.S1), pencil.S2)
+    found = lowest_eigenvalues(bare, count, turning)
+    first = np.argsort(np.abs(found.s))[:count]
+    shapes = found.vectors[:, first].real
+    if turning is not None:
+        turn = np.ones((len(shapes), 1))
+        pull = bare.eliminate_forces(turn)[2].T
+        shapes = shapes - turn @ (pull @ shapes) / (pull @ turn)
+    return -(found.s[first] ** 2).real, shapes / np.abs(shapes).max(axis=0)
+
+
+def all_shapes(dense: DensePencil) -> tuple[Array, Array]:
+    """Compute squared frequencies [1/s^2], rising, and shapes (coordinates, k) of all motions
+    without damping and without added states."""
+    own = len(dense.K) - dense.added
+    K, M = ((matrix + matrix.T)[:own, :own] / 2 for matrix in (dense.K, dense.M))
+    squares, found = eigh(K, M)
+    return squares, found
+
+
+def _drop_zeros(found: EigenSolution) -> EigenSolution:
+    size = np.abs(found.s)
+    least = ZERO * np.abs(found.s.imag).max(initial=0.0) + LEAST * size.max(initial=0.0)
+    here = size > least
+    return EigenSolution(found.s[here], found.vectors[:, here])
+
+
+def square_roots(squares: NDArray[Any]) -> Complex:
+    """Square roots with imaginary part >= 0: of a pair that flutters, one grows and one decays."""
+    s = np.sqrt(squares.astype(complex))
+    return np.asarray(np.where(s.imag < 0, -s, s))

@@ -1,0 +1,301 @@
+"""Equilibrium equations of a rod: residual, Jacobian and Newton step."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from scipy.linalg import eigvalsh
+from scipy.sparse.linalg import splu
+
+from rodgen.analyse.bordered import determinant_sign
+from rodgen.analyse.modal import MOST_DENSE
+from rodgen.analyse.pencil import SINGULAR, DensePencil, ImplicitBlocks, to_sparse
+from rodgen.analyse.steady_rod import SteadyRod, Unknowns
+from rodgen.analyse.support_springs import SoftSprings
+from rodgen.arrays import Array
+from rodgen.errors import AnalysisError
+
+NUDGE = 1e-8  # rad, of differences of the mass matrix: Newton's method corrects their error
+LOOSE = 1e-12  # of the largest effect of a shift of the rod: one that has none, but for rounding
+
+
+@dataclass(frozen=True)
+class ChainBalance:
+    """Equilibrium equations with joint forces as unknowns, so that a Newton step costs O(n): of a
+    rod held at joint 0 alone, whose loads do not depend on the motion. residual (cells, 3)."""
+
+    cells: ImplicitBlocks
+    bend: Array | float
+
+    @property
+    def residual(self) -> Array:
+        """Residual, less the prescribed one (`bend`)."""
+        return np.asarray(self.cells.residual - self.bend)
+
+    @property
+    def rates(self) -> Array:
+        """Residual as accelerations [rad/s^2]."""
+        return self.cells.residual
+
+    def solve(self, right: Array, shift: float = 0.0) -> Unknowns:
+        """Solve for the change of the unknowns that changes the residual by `right`; shift: 1/tau^2
+        of a time step with inertia [1/s^2]."""
+        z = self.cells.solve(right, shift)
+        return Unknowns(z[:, 0], z[:, 1:], np.zeros(0), np.zeros(0))
+
+    @property
+    def tail_moment(self) -> Array:
+        """Residual of one in the last link's angle alone."""
+        return np.pad([[1.0, 0.0, 0.0]], ((len(self.residual) - 1, 0), (0, 0)))
+
+    def dense_pencil(self) -> DensePencil:
+        """Matrices of small undamped motions about this state."""
+        dense = self.cells.to_dense()
+        return DensePencil(dense.K, np.zeros_like(dense.K), dense.M)
+
+    def square_of_growth(self) -> float:
+        """Square of the fastest growth of an undamped motion [1/s^2]; 0 where none grows, and for
+        more than MOST_DENSE links."""
+        if len(self.residual) > MOST_DENSE:
+            return 0.0
+        return _square_of_growth(self.cells.to_dense())
+
+    def stability_signature(self) -> int:
+        """Number of unstable undamped motions; for more than MOST_DENSE links the sign of the
+        determinant of the stiffness, which reveals odd changes only."""
+        if len(self.residual) <= MOST_DENSE:
+            dense = self.cells.to_dense()
+            return int((np.linalg.eigvals(np.linalg.solve(dense.M, -dense.K)).real > 0).sum())
+        return determinant_sign(splu(to_sparse(self.cells.statics)))
+
+
+@dataclass(frozen=True)
+class DenseBalance:
+    """Equilibrium equations by the Jacobian of the module, of generalised forces and rates of added
+    states: of a rod with free joint 0, with supports, or whose loads depend on the motion. springs:
+    those of its supports, with predicted forces."""
+
+    rod: SteadyRod
+    y: Array
+    p: Array
+    bend: Array | float
+    springs: SoftSprings | None = None
+
+    @cached_property
+    def n_positions(self) -> int:
+        return self.rod.n_base + self.rod.n_moving
+
+    @property
+    def _predicted_parameters(self) -> Array:
+        """Parameters with which the supports pull by their predicted forces."""
+        return self.p if self.springs is None else self.springs.p
+
+    @cached_property
+    def rates(self) -> Array:
+        """Accelerations of joint 0 and of the angles, and rates of added states, under the
+        predicted forces of supports."""
+        rates = self.rod.model.rhs(self.rod.t, self.y, self._predicted_parameters)[
+            self.n_positions :
+        ]
+        if not np.isfinite(rates).all():
+            raise AnalysisError("the equations of rest are not finite")
+        return np.asarray(rates)
+
+    @cached_property
+    def _full_mass(self) -> Array:
+        return np.asarray(self.rod.model.mass_matrix(self.y, self.p))
+
+    @cached_property
+    def _inertial_coupling(self) -> Array:
+        """Generalised forces on all coordinates, by inertia, for a force on joint 0 in the
+        directions in which nothing holds it (base + cells, base)."""
+        moved = self._full_mass[:, : self.rod.n_base] @ self.free_directions.T
+        return np.asarray(
+            moved
+            @ np.linalg.solve(self.free_directions @ moved[: self.rod.n_base], self.free_directions)
+        )
+
+    @cached_property
+    def _reduced_mass(self) -> Array:
+        """Mass matrix without the motions of joint 0 that nothing holds."""
+        whole = self._full_mass
+        return (
+            whole - self._inertial_coupling @ whole[: self.rod.n_base]
+            if len(self.free_directions)
+            else whole
+        )
+
+    def _generalised_forces(self, rates: Array) -> Array:
+        """Multiply rows of accelerations by the mass matrix, to generalised forces."""
+        half = self.n_positions
+        return np.concatenate((self._reduced_mass @ rates[:half], rates[half:]))
+
+    @cached_property
+    def residual(self) -> Array:
+        """Generalised forces and rates of added states, less the prescribed ones (`bend`)."""
+        forced = self._generalised_forces(self.rates)
+        if self.springs is not None:
+            forced[: self.n_positions] += self.springs.force
+        return np.asarray(forced - self.bend)
+
+    @cached_property
+    def _jacobian(self) -> Array:
+        return np.asarray(
+            self.rod.model.jac(self.rod.t, self.y, self._predicted_parameters)[self.n_positions :]
+        )
+
+    @cached_property
+    def _rates_by_position(self) -> Array:
+        """Derivatives of the rates by position, angles and added states."""
+        at_rest = np.r_[: self.n_positions, 2 * self.n_positions : len(self.y)]
+        return self._jacobian[:, at_rest]
+
+    @cached_property
+    def residual_jacobian(self) -> Array:
+        """Derivatives of the residual by position, angles and added states."""
+        slope: Array = self._generalised_forces(self._rates_by_position)
+        if self.springs is not None:
+            slope[: self.n_positions, : self.n_positions] -= self.springs.stiffness
+        # Without `bend`, derivatives of the mass matrix meet rates of zero.
+        return slope + self._slope_by_mass if np.any(self.bend) else slope
+
+    @cached_property
+    def _slope_by_mass(self) -> Array:
+        """Derivatives of generalised forces due to the mass matrix, which depends on the angles.
+
+        Each entry depends on the angle between two links, or between a link and joint 0, which does
+        not turn: one difference gives all, with every link turned by one NUDGE more than the last.
+        """
+        base, cells, half = self.rod.n_base, self.rod.n_moving, self.n_positions
+        turned = NUDGE * np.append(np.zeros(base), 1.0 + np.arange(cells))
+        apart, y = turned[:, None] - turned, self.y.copy()
+        y[:half] += turned
+        change = self.rod.model.mass_matrix(y, self.p) - self._full_mass
+        by_turn = np.divide(change, apart, out=np.zeros_like(change), where=apart != 0)
+        rates = self.rates[:half]
+        rates = rates - np.append(self._inertial_coupling.T @ rates, np.zeros(cells))
+        felt = (np.diag(by_turn @ rates) - by_turn * rates)[:, base:]
+        slope = np.zeros((len(self.rates), len(self.rates)))
+        slope[:half, base:half] = felt - self._inertial_coupling @ felt[:base]
+        return slope
+
+    @cached_property
+    def free_directions(self) -> Array:
+        """Directions (k, 2) in which moving the whole rod changes no rate."""
+        base = self.rod.n_base
+        _, sizes, ways = np.linalg.svd(self._rates_by_position[:, :base])
+        return np.asarray(ways[sizes <= LOOSE * max(sizes, default=0.0)])
+
+    @cached_property
+    def basis(self) -> Array:
+        """Basis of all changes but the free ones of joint 0, in columns."""
+        base, size = self.rod.n_base, len(self.residual)
+        if not len(self.free_directions):
+            return np.eye(size)
+        ways = np.linalg.svd(self.free_directions)[2][len(self.free_directions) :]
+        basis = np.zeros((size, size - len(self.free_directions)))
+        basis[:base, : len(ways)] = ways.T
+        basis[base:, len(ways) :] = np.eye(size - base)
+        return basis
+
+    def solve(self, right: Array, shift: float = 0.0) -> Unknowns:
+        """Solve for the change of the unknowns that changes the residual by `right`; shift: 1/tau^2
+        of a time step with inertia [1/s^2]."""
+        slope = self.residual_jacobian
+        if shift:  # far from rest
+            slope = slope if np.any(self.bend) else slope + self._slope_by_mass
+            slope = slope - shift * self._generalised_forces(np.eye(len(slope)))
+        matrix = slope @ self.basis
+        try:
+            if matrix.shape[0] == matrix.shape[1]:
+                found = np.linalg.solve(matrix, right)
+            else:
+                found = np.linalg.lstsq(matrix, right, rcond=0.0)[0]
+        except np.linalg.LinAlgError:
+            raise AnalysisError(SINGULAR) from None
+        if not np.isfinite(found).all():
+            raise AnalysisError(SINGULAR)
+        base, cells = self.rod.n_base, self.rod.n_moving
+        change: Array = self.basis @ found
+        position, phi, added = np.split(change, [base, base + cells])
+        return Unknowns(phi, np.zeros((cells, 2)), position, added)
+
+    @property
+    def tail_moment(self) -> Array:
+        """Residual of one in the last link's angle alone."""
+        return np.asarray(np.eye(len(self.residual))[self.n_positions - 1])
+
+    def net_force(self) -> Array:
+        """Resultant of all loads along the free directions (k,) [N]."""
+        mass = self.rod.model.mass_matrix(self.y, self.p)[: self.rod.n_base]
+        return np.asarray(self.free_directions @ (mass @ self.rates[: self.n_positions]))
+
+    def restoring_force(self) -> float:
+        """Largest force that holds the rod when it is moved by its own length [N]."""
+        base = self.rod.n_base
+        return float(np.abs(self.residual_jacobian[:base, :base]).max()) * self.rod.scene.rod.length
+
+    def dense_pencil(self) -> DensePencil:
+        """Matrices of small motions about this state; derivatives by rates count only where loads
+        depend on the motion."""
+        half, size = self.n_positions, len(self.rates)
+        inertia, by_rate = np.zeros((2, size, size))
+        inertia[:half, :half] = self._reduced_mass
+        if self.rod.has_feedback:
+            by_rate[:, :half] = -self._generalised_forces(self._jacobian[:, half : 2 * half])
+            by_rate[half:, half:] = np.eye(size - half)
+        parts = -self.residual_jacobian, by_rate, inertia
+        K, C, M = (self.basis.T @ part @ self.basis for part in parts)
+        return DensePencil(K, C, M, size - half)
+
+    def square_of_growth(self) -> float:
+        """Square of the fastest growth of an undamped motion [1/s^2]; 0 beyond MOST_DENSE links."""
+        if self.rod.n_moving > MOST_DENSE:
+            return 0.0
+        K, M = (
+            -self.basis.T @ self.residual_jacobian @ self.basis,
+            self.basis.T @ self._reduced_mass @ self.basis,
+        )
+        return _square_of_growth(DensePencil(K, np.zeros_like(K), M))
+
+    def stability_signature(self) -> int:
+        """Number of unstable undamped motions; with added states, and for more than MOST_DENSE
+        links, the sign of the determinant, which reveals odd changes only."""
+        slope = self.basis.T @ self.residual_jacobian @ self.basis
+        if self.rod.scene.states or self.rod.n_moving > MOST_DENSE:
+            return int(np.linalg.slogdet(slope)[0])
+        mass = self.basis.T @ self._reduced_mass @ self.basis
+        return int((np.linalg.eigvals(np.linalg.solve(mass, slope)).real > 0).sum())
+
+
+def _square_of_growth(small: DensePencil) -> float:
+    """Square of the fastest growth [1/s^2], by the symmetric part of the stiffness."""
+    K = (small.K + small.K.T) / 2
+    if not np.isfinite(K).all():
+        return 0.0
+    lowest = eigvalsh(K, (small.M + small.M.T) / 2, subset_by_index=[0, 0])[0]
+    return max(0.0, -float(lowest))
+
+
+Balance = ChainBalance | DenseBalance
+
+
+def equilibrium_equations(
+    rod: SteadyRod,
+    at: Unknowns,
+    p: Array,
+    bend: Array | float = 0.0,
+    springs: SoftSprings | None = None,
+) -> Balance:
+    """Set up the equilibrium equations at a state; bend: residual that is to remain instead of
+    zero; springs: those of the supports, with predicted forces."""
+    if not rod.is_chain:
+        return DenseBalance(rod, rod.state_at_rest(at), p, bend, springs)
+    return ChainBalance(ImplicitBlocks.at(rod, at, p), bend)
+
+
+def free_directions(rod: SteadyRod, at: Unknowns, p: Array) -> Array:
+    """Directions (k, 2) in which nothing holds a free rod and no load depends on its place."""
+    return DenseBalance(rod, rod.state_at_rest(at), p, 0.0).free_directions

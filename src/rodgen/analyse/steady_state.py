@@ -1,0 +1,303 @@
+"""Steady states, about which a scene is linearised: at rest, or straight and steadily accelerating,
+with the speed that a free rod has along its axis."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import numpy as np
+from scipy.linalg import block_diag
+
+from rodgen.analyse.equilibrium_equations import free_directions
+from rodgen.analyse.equilibrium_search import find_equilibrium
+from rodgen.analyse.pencil import BlockPencil, DensePencil, ImplicitBlocks, joint_forces, product
+from rodgen.analyse.steady_rod import SteadyRod, Unknowns
+from rodgen.arrays import Array
+from rodgen.errors import AnalysisError
+from rodgen.model.term import DRAG
+from rodgen.model.terms import TERMS
+from rodgen.result import Note, doubt, remarks
+
+STEADY = 1e-9  # of the accelerations that the joint forces would cause: rounding
+STRAIGHT = 1e-12  # rad
+AT_REST = 2.0**-100  # m/s; a power of 2 rounds nothing
+TURNS = "phi", "omega"  # sensors of a link, not of a place
+ASKEW = 5.0  # degrees between the velocity and the axis, up to which a rod flies along it
+
+
+@dataclass(frozen=True)
+class SteadyState:
+    """A state in which no angle changes; p: parameters of the module."""
+
+    rod: SteadyRod
+    at: Unknowns
+    p: Array
+
+    @property
+    def y(self) -> Array:
+        """State (states,), without velocities."""
+        return self.rod.state_at_rest(self.at)
+
+    @property
+    def phi(self) -> Array:
+        """Angles of the moving links (cells,) [rad]."""
+        return self.at.phi
+
+    @property
+    def joint_forces(self) -> Array:
+        """Forces in the joints before moving links, over the mass of a link (cells, 2) [m/s^2]."""
+        return self.at.force
+
+    @property
+    def is_straight(self) -> bool:
+        """Whether all links have the direction of the clamp, or one and the same."""
+        return bool(np.abs(self.phi - self.rod.straight_angles).max() <= STRAIGHT)
+
+    @property
+    def has_kink(self) -> bool:
+        """Whether a load that acts has no linear part about a bent state at rest."""
+        places = self.rod.scene.structure.slices
+        for term in map(TERMS.__getitem__, self.rod.scene.loads.terms):
+            place = places.get(term.parameters[0].name) if term.kinked else slice(0)
+            if place is None or self.p[place].any():  # a law has no place in p
+                return True
+        return False
+
+    @property
+    def description(self) -> str:
+        """Description of the state for a reader."""
+        if self.rod.has_supports or not self.rod.n_base:
+            if self._is_driven:
+                return "straight, steadily accelerating"
+            return "straight, at rest" if self.is_straight else "static equilibrium"
+        _, force = joint_forces(replace(self.rod, speed=0.0), self.at, self.p)
+        pushed, speed = np.abs(force).max(initial=0.0) > 0, self.rod.speed
+        if not speed:
+            return f"straight, {'steadily accelerating' if pushed else 'at rest or falling freely'}"
+        flies = f"flying at {abs(speed):.6g} m/s{' tail first' * (speed < 0)}"
+        return f"straight, {flies}{' and accelerating' * bool(pushed)}"
+
+    @property
+    def _is_driven(self) -> bool:
+        """Whether loads accelerate an anchored rod in a direction in which nothing holds it."""
+        if not self.rod.n_base:
+            return False
+        free = free_directions(self.rod, self.at, self.p)
+        gained = np.abs(free @ self.rod.accelerations(self.y, self.p)[:2]).max(initial=0.0)
+        return bool(gained > STEADY * np.abs(self.joint_forces).max(initial=0.0))
+
+    @property
+    def notes(self) -> tuple[Note, ...]:
+        """Notes about the speed; none for a rod that is held, and where no load depends on the
+        speed."""
+        rod = self.rod
+        if not (has_drag(rod) and rod.scene.boundary_condition.translates):
+            return ()
+        if self.has_kink and not (rod.speed or rod.across):
+            text = (
+                "linearised about a rod at rest, where external damping brakes small motions "
+                "across it; of one that moves along its axis it brakes none (give a speed)"
+            )
+            return remarks((text,))
+        angle = np.degrees(np.arctan2(abs(rod.across), abs(rod.speed)))
+        if angle <= ASKEW:
+            return ()
+        text = (
+            f"the rod moves {angle:.3g} degrees away from its axis, which is no steady state: "
+            "linearised as though it moved along its axis alone"
+        )
+        return (doubt(text, degrees=float(angle)),)
+
+    @cached_property
+    def has_free_rotation(self) -> bool:
+        """Whether no moment resists rotation of the whole rod, a rigid-body motion of frequency
+        zero. Its loads turn with it, or there are none."""
+        if self.rod.has_supports or self.rod.has_feedback:
+            return False
+        here = self.implicit_blocks
+        # Row by row, for a soft spring counts beside a hard one.
+        angles = np.abs(here.by_angle).sum(axis=0)
+        pulls = np.abs(here.by_unknown[..., 1:]).sum(axis=(0, 3))
+        sizes = angles + pulls * np.abs(self.joint_forces).max(initial=0.0)
+        if self.rod.speed:
+            sizes += np.abs(self._sideways_drag).sum(axis=(0, 3)) * abs(self.rod.speed)
+        made = product(BlockPencil.of(here).S0, self.rigid_rotation).reshape(sizes.shape)
+        return bool((np.abs(made) <= STEADY * sizes).all())
+
+    @property
+    def rigid_rotation(self) -> Array:
+        """Rigid rotation as a vector of a pencil (3 cells,), with the joint forces turned too."""
+        across = self.joint_forces @ np.array([[0.0, 1.0], [-1.0, 0.0]])
+        return np.column_stack((np.ones(len(self.phi)), across)).ravel()
+
+    @cached_property
+    def implicit_blocks(self) -> ImplicitBlocks:
+        return ImplicitBlocks.at(self.rod, self.at, self.p)
+
+    def pencil(self) -> BlockPencil:
+        """Linearised equations, without terms of the velocities of the joints."""
+        return BlockPencil.of(self.implicit_blocks)
+
+    @cached_property
+    def _sideways_drag(self) -> Array:
+        """Derivatives of drag by velocities of the joints (2, cells, 3, 2) where the rod moves
+        sideways as fast as it flies: a measure of what is small."""
+        return ImplicitBlocks.in_sideways_flight(self.rod, self.at, self.p).by_velocity
+
+    @property
+    def has_velocity_terms(self) -> bool:
+        """Whether drag depends on small velocities of the joints to first order, by more than a
+        force along the straight rod, which does not act on small motions across it."""
+        rod = self.rod
+        if has_kinked_load(rod) and not rod.speed:
+            return True
+        if not (has_drag(rod) and rod.speed):
+            return bool(self.implicit_blocks.by_velocity.any())
+        c, s = np.cos(self.phi[0]), np.sin(self.phi[0])
+        felt, all_of_it = (
+            np.stack((D[..., 0, :], D[..., 2, :] * c - D[..., 1, :] * s))
+            for D in (self.implicit_blocks.by_velocity, self._sideways_drag)
+        )
+        sizes = np.abs(all_of_it).max(axis=(1, 2, 3), keepdims=True)
+        return bool((np.abs(felt) > STEADY * sizes).any())
+
+    def dense_pencil(self, whole: bool = False, smooth: bool = False) -> DensePencil:
+        """Dense linearised equations, with external damping, with loads that depend on the motion,
+        and with added states.
+
+        External damping of a joint is -c_ext s a m v with a the share of v across the rod: at rest
+        it is linear for motions across the rod, where a = 1, while along a bent rod it has no
+        linear part. Coordinates: the displacement of a free joint 0 across the rod, the angles, the
+        added states. With supports, or loads that depend on the motion and no drag, joint 0 has x0
+        and y0 if something depends on it or they are asked for (whole), and else none. Raises
+        AnalysisError for a bent rod with external damping, unless this is left out (smooth).
+        """
+        rod, y = self.rod, self.rod.state_in_flight(self.at)
+        if self.has_kink and not self.is_straight and not smooth:
+            raise AnalysisError(
+                "external damping has no linear part about a bent state (its force depends on the "
+                "share of the velocity across the rod): leave out loads.external_damping"
+            )
+        base, half = rod.n_base, rod.n_base + rod.n_moving
+        J, mass = rod.model.jac(rod.t, y, self.p), rod.model.mass_matrix(y, self.p)
+        ways = np.eye(half)
+        across = ways[:, base // 2 :].copy()
+        if base:
+            across[:2, 0] = -np.sin(self.phi[0]), np.cos(self.phi[0])
+        if self.has_kink and not (rod.speed or smooth):
+            # At any speed across the rod, however small, that has the same derivative.
+            moving = y.copy()
+            moving[half : 2 * half] = AT_REST * (across[:, 0] if base else 1.0)
+            J[:, half : 2 * half] = rod.model.jac(rod.t, moving, self.p)[:, half : 2 * half]
+            if base:  # along the straight rod the share is none
+                axis = np.array([np.cos(self.phi[0]), np.sin(self.phi[0])])
+                moving[half : 2 * half] = 0.0
+                moving[half : half + 2] = AT_REST * axis
+                along = rod.model.jac(rod.t, moving, self.p)[:, half : half + 2] @ axis
+                J[:, half : half + 2] += np.outer(along - J[:, half : half + 2] @ axis, axis)
+        whole = whole or rod.has_supports
+        if not rod.has_supports and (has_drag(rod) or not rod.has_feedback):
+            ways = across
+        elif base and not (whole or self._has_joint_sensors):
+            inner = mass[base:, :base] @ np.linalg.solve(mass[:base, :base], mass[:base, base:])
+            mass, ways = mass.copy(), ways[:, base:]
+            mass[base:, base:] -= inner
+            J[half : half + base] = 0.0
+        return _project_jacobian(J, mass, ways)
+
+    @property
+    def _has_joint_sensors(self) -> bool:
+        """Whether loads or added states depend on the place or the velocity of a joint, however
+        large the loads are."""
+        return any(one.what not in TURNS for one in self.rod.scene.structure.sensors)
+
+
+def _project_jacobian(J: Array, mass: Array, ways: Array) -> DensePencil:
+    """Project the Jacobian of all rates on motions along ways (positions, k): a dense pencil."""
+    half = len(mass)
+    rod, own = J[half : 2 * half], J[2 * half :]
+    K, C, by_added = (
+        -ways.T @ mass @ part
+        for part in (rod[:, :half] @ ways, rod[:, half : 2 * half] @ ways, rod[:, 2 * half :])
+    )
+    M, added = ways.T @ mass @ ways, len(own)
+    terms = np.abs(ways.T) @ np.abs(mass) @ np.abs(rod[:, :half] @ ways)
+    if not added:
+        return DensePencil(K, C, M, terms=terms)
+    lower = -own[:, :half] @ ways, -own[:, half : 2 * half] @ ways
+    return DensePencil(
+        np.block([[K, by_added], [lower[0], -own[:, 2 * half :]]]),
+        np.block([[C, np.zeros_like(by_added)], [lower[1], np.eye(added)]]),
+        block_diag(M, np.zeros((added, added))),
+        added,
+        np.block([[terms, np.abs(by_added)], [np.abs(lower[0]), np.abs(own[:, 2 * half :])]]),
+    )
+
+
+def find_steady_state(
+    rod: SteadyRod, start: SteadyState | None = None, p: Array | None = None
+) -> SteadyState:
+    """Find the steady state; start: one under similar loads; p: parameters, by default the rod's.
+
+    Raises AnalysisError where there is none.
+    """
+    p = rod.system.p if p is None else p
+    found, turning = straight_state(rod, p)
+    if found is not None:
+        return found
+    if rod.scene.boundary_condition.translates and not rod.has_supports:
+        raise AnalysisError(
+            "the free rod has no steady state to linearise about: straight and at rest, its links "
+            f"turn with {turning:.3g} rad/s^2 (a load along the rod, or gravity "
+            "alone, leaves it straight)"
+        )
+    rest, _ = find_equilibrium(rod, p, start.at if start else None)
+    return SteadyState(rod, rest.at, p)
+
+
+def straight_state(rod: SteadyRod, p: Array) -> tuple[SteadyState | None, float]:
+    """Return the straight steady state under parameters p, None where the rod does not stay
+    straight, and the largest angular acceleration of its links [rad/s^2]."""
+    at = rod.straight_unknowns
+    turning, force = joint_forces(rod, at, p)
+    scale = np.abs(force).max(initial=0.0) * rod.scene.rod.links / rod.scene.rod.length
+    largest = float(np.abs(turning).max())
+    if largest <= STEADY * scale and _is_joint_at_rest(rod, at, p):
+        return SteadyState(rod, at._replace(force=force), p), largest
+    return None, largest
+
+
+def _is_joint_at_rest(rod: SteadyRod, at: Unknowns, p: Array) -> bool:
+    """Whether springs hold joint 0 of a straight rod at rest, in comparison with one that is a
+    length away; in directions in which nothing holds it, the rod may accelerate."""
+    if not (rod.n_base and rod.has_supports):
+        return True
+    y = rod.state_at_rest(at)
+    away = y.copy()
+    away[:2] += rod.scene.rod.length
+    free = free_directions(rod, at, p)
+    held = np.eye(2) - free.T @ free
+    here, there = (np.abs(held @ rod.accelerations(one, p)[:2]).max() for one in (y, away))
+    return bool(here <= STEADY * there)
+
+
+def has_drag(rod: SteadyRod) -> bool:
+    """Whether a load depends on the velocities of the joints."""
+    return any(TERMS[term].kind == DRAG for term in rod.scene.loads.terms)
+
+
+def has_kinked_load(rod: SteadyRod) -> bool:
+    """Whether a load has no linear part about a bent state at rest."""
+    return any(TERMS[term].kinked for term in rod.scene.loads.terms)
+
+
+def linearise(state: SteadyState) -> BlockPencil | DensePencil:
+    """Linearise about a steady state; in O(n) where no velocity of a joint counts, as without
+    external damping."""
+    within = not (state.rod.n_base or has_drag(state.rod) or state.rod.has_feedback)
+    if state.rod.has_supports and within:
+        return ImplicitBlocks.at(state.rod, state.at, state.p).to_dense()
+    if state.rod.has_supports or state.rod.has_feedback:
+        return state.dense_pencil()
+    return state.dense_pencil() if state.has_velocity_terms else state.pencil()

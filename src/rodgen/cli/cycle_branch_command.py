@@ -1,0 +1,125 @@
+"""rodgen cycle-branch: periodic motions along one number of a scene."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from rodgen.cli.curve_options import file_hash, find_start, follow_curve
+from rodgen.cli.options import (
+    AsJson,
+    Bounds,
+    CheckMesh,
+    LongestStep,
+    MostPoints,
+    OutFolder,
+    ResumeFile,
+    Segments,
+    Vary,
+    parse_both_bounds,
+    point_number,
+)
+from rodgen.cli.result_folders import output_folder
+from rodgen.errors import InputError
+from rodgen.scene import Scene
+
+if TYPE_CHECKING:
+    import xarray
+    from matplotlib.figure import Figure
+
+CYCLES = "cycles"  # files of a branch
+
+
+def cycle_branch(
+    scene: Scene,
+    vary: Vary,
+    bounds: Bounds,
+    start: Annotated[
+        str,
+        typer.Option(
+            help="Start of the branch: hopf (a Hopf point, which is looked for from A on) or run "
+            "(SCENE's cycle)."
+        ),
+    ] = "hopf",
+    equilibria: Annotated[
+        Path | None,
+        typer.Option(
+            "--from",
+            metavar="FILE",
+            help="A branch of equilibria that rodgen branch has written: begin in its Hopf point "
+            "--at (1 is the first special point).",
+        ),
+    ] = None,
+    at: Annotated[
+        int | None,
+        typer.Option(
+            "--at",
+            help="Number of a special point of --from, or of a point of --resume. Default: the "
+            "last point of --resume.",
+        ),
+    ] = None,
+    switch: Annotated[
+        int | None,
+        typer.Option(
+            metavar="NUMBER",
+            help="Follow the branch that begins in the special point of this number. This is a "
+            "branch point, or a period doubling, where cycles of twice the period begin.",
+        ),
+    ] = None,
+    resume: ResumeFile = None,
+    segments: Segments = 4,
+    step: LongestStep = 0.1,
+    most: MostPoints = 200,
+    check_mesh: CheckMesh = False,
+    out_folder: OutFolder = Path("results"),
+    as_json: AsJson = False,
+) -> None:
+    """Follow the periodic motions of SCENE, stable or not, while one of its numbers changes.
+
+    Folds, branch points, period doublings and Neimark-Sacker points are located, and the amplitudes
+    are drawn.
+    """
+    from rodgen.analyse.branches.equilibrium_data import read as read_equilibria
+    from rodgen.analyse.cycles.cycle_continuation import continue_cycles
+    from rodgen.analyse.cycles.cycle_data import read
+
+    between = parse_both_bounds(bounds)
+    if equilibria is not None and resume is not None:
+        raise InputError("--from", str(equilibria), "absent beside --resume")
+    if equilibria is not None and at is None:
+        raise InputError("--at", at, "given with --from: the number of a Hopf point")
+    point_number(equilibria or resume, at, "--from or --resume")
+    how: dict[str, Any] = {"switch": switch, "segments": segments}
+    how |= {"step": step, "most": most, "check_mesh": check_mesh}
+    name = CYCLES if switch is None else f"{CYCLES}_{switch}"
+    file = None if as_json else out_folder / scene.name / f"{name}.nc"
+    command: dict[str, Any] = {"command": "cycle-branch", "scene": scene.to_dict(), "vary": vary}
+    command |= {"bounds": between, **how}
+    command |= {"start": file_hash(equilibria), "start_at": at} if equilibria else {"start": start}
+    going = find_start(resume, None if equilibria else at, read, file, command)
+    if going.curve is not None:
+        how |= {"resume": going.curve, "at": going.at}
+    elif equilibria:
+        how |= {"start": read_equilibria(equilibria), "at": at}
+    else:
+        how["start"] = start
+    with output_folder(file and file.parent):
+        made = follow_curve(
+            "the branch of cycles",
+            lambda said: continue_cycles(
+                scene, vary, between, watch=lambda value: said(f"{vary} = {value:.6g}"), **how
+            ),
+            going.journal,
+        )
+        made.print_and_write(
+            f"{scene.name}: cycles along {vary}", file, lambda: _draw_amplitudes(made.data, scene)
+        )
+        made.exit_if_incomplete(file)
+
+
+def _draw_amplitudes(data: xarray.Dataset, scene: Scene) -> Figure:
+    from rodgen.show.cycle_pictures import cycle_branch_diagram
+
+    return cycle_branch_diagram(data, scene)

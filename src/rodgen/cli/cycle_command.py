@@ -1,0 +1,73 @@
+"""rodgen cycle: the periodic motion that a scene settles on, and its stability."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from rodgen.cli.console import print_json, print_result, show_work, write_picture
+from rodgen.cli.options import AsJson, CheckMesh, OutFolder, point_number
+from rodgen.cli.result_folders import output_folder
+from rodgen.scene import Scene
+
+
+def cycle(
+    scene: Scene,
+    by: Annotated[
+        str | None,
+        typer.Option(
+            help="collocation (on a mesh of the period), shooting, or picard (only the leading "
+            "multipliers). Default: collocation, and picard for many links."
+        ),
+    ] = None,
+    multipliers: Annotated[
+        int | None,
+        typer.Option(metavar="K", help="Number of leading multipliers of picard. Default: 10."),
+    ] = None,
+    segments: Annotated[
+        int | None,
+        typer.Option(help="Number of segments of shooting. Default: 4."),
+    ] = None,
+    start: Annotated[
+        Path | None,
+        typer.Option(
+            "--from",
+            metavar="FILE",
+            help="A branch of cycles that rodgen cycle-branch has written: begin with its cycle "
+            "--at, stable or not, instead of a run. Without --at, begin with the cycle nearest to "
+            "SCENE's own value, and find the cycle at this value.",
+        ),
+    ] = None,
+    at: Annotated[
+        int | None, typer.Option("--at", help="Number of a cycle of FILE, from 0. See --from.")
+    ] = None,
+    check_mesh: CheckMesh = False,
+    out_folder: OutFolder = Path("results"),
+    as_json: AsJson = False,
+) -> None:
+    """Find and draw the periodic motion that SCENE settles on, and its Floquet multipliers."""
+    from rodgen.analyse.cycles.cycle_data import read
+    from rodgen.analyse.cycles.periodic_motion import find_cycle
+
+    point_number(start, at, "--from")
+    with output_folder(None if as_json else out_folder / scene.name) as folder:
+        with show_work("looking for a cycle"):
+            found = find_cycle(
+                scene,
+                by=by,
+                segments=segments,
+                multipliers=multipliers,
+                start=None if start is None else read(start),
+                at=at,
+                check_mesh=check_mesh,
+            )
+        if as_json:
+            print_json(found.to_dict())
+            return
+        print_result(f"{scene.name}: cycle", found)
+        from rodgen.show.cycle_pictures import film_strip, unit_circle
+
+        write_picture(lambda: film_strip(found), folder, "cycle")
+        write_picture(lambda: unit_circle(found), folder, "multipliers")

@@ -1,0 +1,38 @@
+"""rodgen modes: natural frequencies and mode shapes of a scene."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from rodgen.cli.console import check_finite, print_json, print_result, show_work, write_picture
+from rodgen.cli.options import After, AsJson, AtTime, OutFolder, Speed
+from rodgen.cli.result_folders import output_folder
+from rodgen.scene import Scene
+
+
+def modes(
+    scene: Scene,
+    count: Annotated[int, typer.Option(help="Number of modes, from the lowest on.")] = 10,
+    t: AtTime = None,
+    speed: Speed = None,
+    after: After = None,
+    out_folder: OutFolder = Path("results"),
+    as_json: AsJson = False,
+) -> None:
+    """Compute the natural frequencies of SCENE about its steady state, and draw the mode shapes."""
+    from rodgen.analyse.modes import natural_modes
+
+    with output_folder(None if as_json else out_folder / scene.name) as folder:
+        with show_work("linearising"):
+            found = natural_modes(scene, count, t=check_finite("--t", t), speed=speed, after=after)
+        if as_json:
+            print_json(found.to_dict())
+            return
+        print_result(f"{scene.name}: natural frequencies", found)
+        if len(found.frequencies):
+            from rodgen.show.analysis_pictures import mode_shapes
+
+            write_picture(lambda: mode_shapes(found, scene), folder, "modes")

@@ -1,0 +1,47 @@
+"""rodgen nonlinear-mode: a periodic motion of a scene without dissipation, by its energy."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from rodgen.cli.console import has_pictures, print_json, print_result, show_work, write_picture
+from rodgen.cli.options import AsJson, OutFolder, Segments
+from rodgen.cli.result_folders import output_folder
+from rodgen.scene import Scene
+
+
+def nonlinear_mode(
+    scene: Scene,
+    energy: Annotated[
+        float, typer.Option(metavar="JOULES", help="Energy of the motion above that of rest.")
+    ],
+    mode: Annotated[int, typer.Option(help="Number of the mode; 1 is the slowest.")] = 1,
+    segments: Segments = 4,
+    out_folder: OutFolder = Path("results"),
+    as_json: AsJson = False,
+) -> None:
+    """Find the periodic motion of a nonlinear mode of SCENE, which has no dissipation.
+
+    The motion, its Floquet multipliers and the family from small motions on are drawn.
+    """
+    from rodgen.analyse.cycles import nonlinear_modes as modes
+
+    with output_folder(None if as_json else out_folder / scene.name) as folder:
+        with show_work("following the mode"):
+            found = modes.nonlinear_mode(scene, mode, energy, segments=segments)
+        if as_json:
+            print_json(found.to_dict())
+            return
+        print_result(f"{scene.name}: nonlinear mode {mode}", found)
+        if not has_pictures():
+            return
+        from rodgen.show.cycle_pictures import film_strip, frequency_energy_plot, unit_circle
+
+        write_picture(lambda: film_strip(found), folder, "cycle")
+        write_picture(lambda: unit_circle(found), folder, "multipliers")
+        with show_work("following the family of the mode"):
+            data = modes.continue_mode(scene, mode, energy, segments=segments)
+        write_picture(lambda: frequency_energy_plot(data, scene), folder, "mode")

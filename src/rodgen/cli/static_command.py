@@ -1,0 +1,81 @@
+"""rodgen static: the equilibrium of a scene under loads that do not change."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from rodgen.cli.console import (
+    check_finite,
+    print_json,
+    print_result,
+    print_table,
+    show_work,
+    write_picture,
+)
+from rodgen.cli.options import AsJson, AtTime, OutFolder
+from rodgen.cli.result_folders import output_folder
+from rodgen.scene import Scene
+
+
+def static(
+    scene: Scene,
+    t: AtTime = None,
+    imperfection: Annotated[
+        float | None,
+        typer.Option(
+            metavar="RADIANS",
+            help="Load a rod whose tail is turned by this angle, then make it straight. Beyond a "
+            "buckling load this finds the bent state instead of the straight, unstable one.",
+        ),
+    ] = None,
+    every: Annotated[
+        bool,
+        typer.Option(
+            "--all",
+            help="Find equilibria on all branches and by deflation, list them and draw them.",
+        ),
+    ] = False,
+    out_folder: OutFolder = Path("results"),
+    as_json: AsJson = False,
+) -> None:
+    """Find the static equilibrium of SCENE, and draw the deflected rod."""
+    from rodgen.analyse.statics import static_equilibrium
+    from rodgen.analyse.steady_rod import SteadyRod
+    from rodgen.errors import InputError
+
+    if every:
+        if imperfection is not None:
+            raise InputError("--imperfection", imperfection, "absent beside --all")
+        _list_equilibria(scene, check_finite("--t", t), out_folder, as_json)
+        return
+    with output_folder(None if as_json else out_folder / scene.name) as folder:
+        with show_work("balancing"):
+            rest = static_equilibrium(scene, t=check_finite("--t", t), imperfection=imperfection)
+        if as_json:
+            print_json(rest.to_dict())
+            return
+        print_result(f"{scene.name}: static equilibrium", rest)
+        from rodgen.show.analysis_pictures import equilibrium_shape
+
+        write_picture(lambda: equilibrium_shape(rest, SteadyRod.of(scene, t)), folder, "static")
+
+
+def _list_equilibria(scene: Scene, t: float | None, out_folder: Path, as_json: bool) -> None:
+    """Find, list and draw all equilibria."""
+    from rodgen.analyse.branches.deflation import static_equilibria
+    from rodgen.result import comparison_table
+
+    with output_folder(None if as_json else out_folder / scene.name) as folder:
+        with show_work("looking for equilibria"):
+            found = static_equilibria(scene, t=t)
+        if as_json:
+            print_json({"equilibria": [one.to_dict() for one in found]})
+            return
+        told = comparison_table(found, ("tip_x", "tip_y", "tip_angle", "stable"))
+        print_table(f"{scene.name}: {len(found)} equilibria were found", told)
+        from rodgen.show.branch_pictures import equilibrium_shapes
+
+        write_picture(lambda: equilibrium_shapes(found, scene), folder, "equilibria")

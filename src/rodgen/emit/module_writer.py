@@ -1,0 +1,373 @@
+"""Text of the generated module of a Structure: the same bytes everywhere and always."""
+
+from __future__ import annotations
+
+import hashlib
+from collections.abc import Iterable, Mapping
+from functools import cache
+from importlib.metadata import version
+from importlib.resources import files
+from typing import Any
+
+import sympy
+from jinja2 import DictLoader, Environment, StrictUndefined
+
+from rodgen.emit.forces import force_places
+from rodgen.emit.masses import IN_TIME, Masses
+from rodgen.emit.outputs import Functions
+from rodgen.emit.program import AnalysedFunction
+from rodgen.emit.statements import PAIR, Program
+from rodgen.emit.targets import TARGETS, check_output, required_parts, target_of
+from rodgen.model.parameter import JOINTS, POSITIVE, ROWS, Parameter
+from rodgen.model.rod import NONUNIFORM
+from rodgen.model.terms import TERMS
+from rodgen.progress import EMITTING, report_stage
+from rodgen.scene.grammar import NUMPY
+from rodgen.scene.structure import Structure
+
+GUARD = "tests/reference.py"
+
+NO_ENERGY = "np.zeros_like(kinetic)"  # the contract has three energies, whatever the scene
+
+
+def module_files(
+    structure: Structure,
+    target: str = "numpy",
+    form: str = "chain",
+    parts: Iterable[str] | None = None,
+    steps: bool = False,
+) -> dict[str, str]:
+    """The texts of a module, by file name; the first is the Python module itself.
+
+    parts: names of targets.PARTS, and what they need; all that the target has but those of
+    targets.ASKED, if not given. steps: whether a C module takes steps, by the loops of native/
+    beside it.
+    """
+    check_output(target, form)
+    wanted = required_parts(target, parts, steps)
+    templates = target_of(target).templates[form]
+    stem = structure.module_stem(target, form)
+    functions = Functions(structure)
+    _ = functions.system  # what takes long to derive is kept from here on
+    report_stage(EMITTING)
+    programs, more = target_of(target).programs(functions, form, wanted)
+    programs = {**programs, **_programs(functions, wanted)}
+    context = {
+        **_context(functions, target, form, programs, templates["py"]),
+        **more,
+        "parts": wanted,
+        "steps": steps,
+    }
+    return {
+        f"{stem}.{ending}": _environment().get_template(template).render(context)
+        for ending, template in templates.items()
+    }
+
+
+def module_text(structure: Structure, target: str = "numpy", form: str = "chain") -> str:
+    """The text of the Python module of a structure."""
+    return next(iter(module_files(structure, target, form).values()))
+
+
+@cache
+def _environment() -> Environment:
+    """Jinja environment of the templates, each compiled once."""
+    return Environment(
+        loader=DictLoader(_templates()), undefined=StrictUndefined, keep_trailing_newline=True
+    )
+
+
+@cache
+def _templates() -> dict[str, str]:
+    """All templates by name."""
+    root = files("rodgen.templates")
+    folders = {"": root} | {f"{name}/": root.joinpath(name) for name in TARGETS}
+    return {
+        f"{name}{file.name}": file.read_text(encoding="utf-8")
+        for name, folder in sorted(folders.items())
+        for file in sorted(folder.iterdir(), key=lambda file: file.name)
+        if file.name.endswith(".jinja")
+    }
+
+
+@cache
+def template_hash() -> str:
+    """Content hash of the templates, which include one another, and of the step loops."""
+    native = [f for f in files("rodgen.native").iterdir() if f.name.endswith((".c", ".h"))]
+    texts = _templates() | {f.name: f.read_text(encoding="utf-8") for f in native}
+    content = "\0".join(f"{name}\0{texts[name]}" for name in sorted(texts))
+    return hashlib.sha256(content.encode()).hexdigest()[:16]
+
+
+def _programs(functions: Functions, parts: Iterable[str]) -> dict[str, Program]:
+    """The functions that are NumPy's in every target, by name."""
+    programs: dict[str, Program] = {}
+    if "mass" in parts:
+        programs["mass"] = functions.mass()
+    if "implicit" in parts:
+        programs["implicit"] = functions.implicit()
+    if "power" in parts:
+        programs["power"] = functions.acting_power()
+    if "kinetics" in parts:
+        programs |= functions.kinetics()
+    if "quantities" in parts:
+        programs |= functions.quantities()
+        programs["point_force"] = functions.point_force()
+    return programs
+
+
+def _context(
+    functions: Functions,
+    target: str,
+    form: str,
+    programs: Mapping[str, Program | AnalysedFunction],
+    template: str,
+) -> dict[str, Any]:
+    structure = functions.structure
+    boundary_condition, n = functions.equations.boundary_condition, structure.links
+    acting = force_places(functions.equations, n) if "forces" in programs else {}
+    energies = [st.name for st in programs["energy"].statements] if "energy" in programs else []
+    provenance = {
+        "rodgen": version("rodgen"),
+        "sympy": sympy.__version__,
+        "target": target,
+        "form": form,
+        "template": template,
+        "template_hash": template_hash(),
+        "structure_hash": structure.hash,
+        "operations": {name: programs[name].operations for name in sorted(programs)},
+    }
+    moving = n - boundary_condition.first
+    laws = (*structure.laws.values(), *structure.open_masses.values())
+    motion = 2 * (
+        moving + 2 * boundary_condition.translates
+    )  # numbers of y before the states that are added
+    return {
+        "stem": structure.module_stem(target, form),
+        "title": _title(structure),
+        "banner": _banner(provenance, form),
+        "n": n,
+        "first": boundary_condition.first,
+        "held": boundary_condition.first > 0,
+        "base": 2 * boundary_condition.translates,
+        "moving": moving,
+        "size": moving + 2 * boundary_condition.translates,
+        "states": motion + len(structure.states),
+        "added": {name: motion + at for at, name in enumerate(structure.state_names)},
+        "added_rates": structure.open_rates,
+        "signal_names": _signal_names(functions),
+        "cubic": any(
+            e.has_cubic
+            for e in (
+                *structure.open_expressions.values(),
+                *structure.open_along.values(),
+                *laws,
+            )
+        ),
+        "tables": any(e.has_table for e in laws),
+        "boundary": structure.boundary,
+        "inertia": structure.inertia,
+        "terms": structure.terms,
+        "terms_text": _tuple_code(structure.terms),
+        "nonuniform_text": _tuple_code(structure.nonuniform) if structure.nonuniform else "",
+        "spring": structure.spring,
+        "expressions": structure.open_expressions,
+        "table_rows": dict(structure.tables),
+        "texts": structure.open_expressions | structure.open_along,
+        "slot": _input_slots(boundary_condition.translates, moving),
+        "state_places": _state_indices(
+            _input_slots(boundary_condition.translates, moving), boundary_condition.first
+        )
+        | {name: motion + at for at, name in enumerate(structure.state_names)},
+        "provenance": provenance,
+        "constants": functions.compiler.constants,
+        "pairs": [c for c in functions.compiler.constants if c.domain.indices == PAIR],
+        "dense": form == "dense",
+        "heavy": functions.equations.rod.has_link_masses,
+        "anchored": functions.equations.has_position_loads,
+        "energy_names": [
+            name if name in energies else NO_ENERGY for name in ("kinetic", "spring", "load_energy")
+        ],
+        "power_names": {name.removeprefix("power_"): name for name in functions.power},
+        "force_places": acting,
+        "force_terms": _tuple_code(acting),
+        "chain": _chain_context(functions),
+        **_parameter_context(structure),
+        **Masses(structure).context(NUMPY),
+        "in_time_text": _tuple_code(IN_TIME),
+        **_state_context(structure, boundary_condition.translates, boundary_condition.first),
+        **programs,
+    }
+
+
+def _signal_names(functions: Functions) -> dict[str, str]:
+    """Variables of the computed signals, by the text that a scene has for each."""
+    named = {of.text: str(symbol) for of, symbol in functions.laws.sensor_symbols.items()}
+    return named | {str(symbol): str(symbol) for symbol in functions.laws.inputs}
+
+
+def _chain_context(functions: Functions) -> dict[str, Any]:
+    """Template context of the system that the chain form solves."""
+    domain = functions.solve.domain
+    return {
+        "width": len(functions.axes),
+        "axes": functions.axes,
+        "unknowns": functions.solve.unknowns,
+        "unknown_of": dict(zip(functions.axes, functions.solve.unknowns, strict=True)),
+        "low": functions.low,
+        "count": max(functions.high - functions.low + 1, 0),
+        "high": functions.high,
+        "given_low": domain.low,
+        "given": max(domain.count, 0),
+        "ends": list(functions.ends),
+        "starts_before": domain.low < functions.low,
+        "ends_after": domain.high > functions.high,
+        "next_low": functions.low - any(e.startswith("start") for e in functions.ends),
+        "lower": "next_yx" if "next_yx" in functions.matrix else "next_xy",
+        "couples": any(name.startswith("next") for name in functions.matrix),
+    }
+
+
+def _parameter_context(structure: Structure) -> dict[str, Any]:
+    """Template context of the parameters: places in p, rules, defaults and documentation."""
+    spans, places = structure.index_ranges, structure.slices
+    rows = structure.rows
+    single = [one for one in rows if not one.is_array]
+    width = structure.width
+    return {
+        "position": structure.indices,
+        "places": places,
+        "first_positions": {
+            f"{name}_{spans[name].start}" if name in spans else name: place.start
+            for name, place in places.items()
+            if place.start < width
+        },
+        "width": width,
+        "arrays": [
+            _array_context(one, spans[one.name], places[one.name]) for one in rows if one.is_array
+        ],
+        "scalars": [one.name for one in single],
+        "scalar_rules": [(one.name, one.rule) for one in single],
+        "divisors": [one.name for one in single if one.rule == POSITIVE],
+        "signature": [(one.name, _default_code(one)) for one in rows],
+        "parameter_docs": [(one.name, _parameter_doc(one)) for one in rows],
+        "parameter_text": ", ".join(_name_range(one.name, spans.get(one.name)) for one in rows),
+        "parameter_groups": [
+            f'*(f"{one.name}_{{at}}" for at in {_range_code(spans[one.name])})'
+            if one.is_array
+            else f'"{one.name}"'
+            for one in rows
+        ],
+    }
+
+
+def _array_context(parameter: Parameter, span: range, place: slice) -> dict[str, Any]:
+    """Template context of a parameter of several numbers: where in p it lies, how many they are,
+    and their rule."""
+    return {
+        "name": parameter.name,
+        "start": place.start,
+        "slice": f"{place.start}:{place.stop}",
+        "first": span.start,
+        "count": len(span),
+        "number": "N + 1" if parameter.each == JOINTS else str(len(span)),
+        "rule": parameter.rule,
+        "each": f"one for every {parameter.each}",
+        "table": parameter.each == ROWS,
+        "default": parameter.default,
+    }
+
+
+def _name_range(name: str, span: range | None) -> str:
+    """A name, or the first and the last of several that are numbered."""
+    if span is None:
+        return name
+    ends = [f"{name}_{at}" for at in (span.start, span.stop - 1)]
+    return " .. ".join(ends) if len(span) > 1 else ends[0] if span else f"no {name}"
+
+
+def _range_code(span: range) -> str:
+    """The code of a range."""
+    return f"range({span.start}, {span.stop})" if span.start else f"range({span.stop})"
+
+
+def _parameter_doc(parameter: Parameter) -> str:
+    optional = parameter.is_array and parameter.default is not None
+    return parameter.documentation + (
+        f"; {parameter.default:g} everywhere if not given" if optional else ""
+    )
+
+
+def _default_code(parameter: Parameter) -> str | None:
+    """The default of an argument, as code; None where it has to be given."""
+    if parameter.default is None:
+        return None
+    return "None" if parameter.is_array else repr(parameter.default)
+
+
+def _state_context(structure: Structure, translates: bool, first: int) -> dict[str, Any]:
+    """Template context of the state: its names, as code and in words."""
+    last = structure.links - 1
+    links = _range_code(range(first, last + 1))
+    groups: list[str] = []
+    words: list[str] = []
+    for base, name in ((("x0", "y0"), "phi"), (("vx0", "vy0"), "omega")):
+        groups += [", ".join(f'"{b}"' for b in base)] if translates else []
+        groups.append(f'*(f"{name}_{{at}}" for at in {links})')
+        words += base if translates else ()
+        words.append(_name_range(name, range(first, last + 1)))
+    groups += [f'"{name}"' for name in structure.state_names]
+    words += structure.state_names
+    return {"state_groups": groups, "state_text": ", ".join(words)}
+
+
+def _state_indices(slots: Mapping[str, int], first: int) -> dict[str, int]:
+    """Index in y of every number by name; of the angles and of their rates that of the first."""
+    return {
+        f"{name}_{first}" if name in ("phi", "omega") else name: at for name, at in slots.items()
+    }
+
+
+def _input_slots(translates: bool, moving: int) -> dict[str, int]:
+    """Index in y at which each input of a program starts."""
+    if not translates:
+        return {"phi": 0, "omega": moving}
+    half = 2 + moving
+    return {"x0": 0, "y0": 1, "phi": 2, "vx0": half, "vy0": half + 1, "omega": half + 2}
+
+
+def _tuple_code(names: Iterable[str]) -> str:
+    quoted = [f'"{name}"' for name in names]
+    return f"({quoted[0]},)" if len(quoted) == 1 else f"({', '.join(quoted)})"
+
+
+def _title(structure: Structure) -> str:
+    links = f"{structure.links} rigid link{'s' if structure.links > 1 else ''}"
+    timed = {name for name, _ in structure.expressions}
+    rows = [TERMS[name] for name in structure.loads]
+    fed = structure.laws.keys()
+    words = [
+        row.words
+        + " (a function of t)" * any(one.name in timed - fed for one in row.parameters)
+        + " (follows the motion)" * any(one.name in fed for one in row.parameters)
+        for row in rows
+    ]
+    terms = ", ".join(words) or "no loads"
+    held, mass = structure.boundary_condition.title, structure.inertia
+    nonuniform = "".join(f", {NONUNIFORM[what].title}" for what in structure.nonuniform)
+    nonuniform += f", springs of the moment {structure.spring}" * bool(structure.spring)
+    added = f"; with {', '.join(structure.state_names)}" if structure.states else ""
+    return f"Planar rod of {links}, {held}, {mass} mass{nonuniform}; {terms}{added}."
+
+
+def _banner(provenance: Mapping[str, Any], form: str) -> str:
+    solved = "a Cholesky solve" if form == "dense" else "a solve of the joint forces in O(n)"
+    operations = provenance["operations"].get("rhs")
+    cost = f";\nrhs: {operations} operations and {solved}" if operations is not None else ""
+    return (
+        f"Generated by rodgen {provenance['rodgen']} with SymPy {provenance['sympy']} "
+        f"from the template\n{provenance['template']} ({provenance['template_hash']}); structure "
+        f"{provenance['structure_hash']}"
+        f"{cost}.\n"
+        f"Do not edit; {GUARD} of rodgen guards the generator byte by byte."
+    )

@@ -1,0 +1,194 @@
+"""Layout of a result file or a Dataset: coordinates, quantities over time, events."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping, Sequence
+from importlib.metadata import version
+from pathlib import Path
+from types import ModuleType
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rodgen.arrays import Array
+from rodgen.errors import InputError
+from rodgen.integrate.files.checksums import CHECKSUM, NO_STATS, RunState
+from rodgen.integrate.files.netcdf import MOST, PAGE, Header
+from rodgen.integrate.trajectory import Changes, Trajectory
+from rodgen.model.quantities import FILE, QUANTITIES
+from rodgen.scene import Scene
+from rodgen.system import System
+
+FORMAT = "rodgen 3"
+UNITS = {"x": "m", "y": "m", "vx": "m/s", "vy": "m/s", "phi_": "rad", "omega_": "rad/s"}
+WORK = "work_"  # and the name of the term
+PARAMETERS, GIVEN = "parameters", "energy_given"  # of a run that was changed while it went on
+TEXT = {"_Encoding": "utf-8"}  # what xarray makes text from
+
+
+class ResultVariable(NamedTuple):
+    """Values over dimensions, with their attributes: units, long_name."""
+
+    dimensions: tuple[str, ...]
+    values: NDArray[Any]
+    attributes: Mapping[str, str]
+
+
+def variables_of(
+    trajectory: Trajectory, kept: Sequence[str] = (FILE,)
+) -> dict[str, ResultVariable]:
+    """Variables of a trajectory over time that files hold, by name; kept: which quantities, by
+    where they are kept."""
+    found = {
+        "time": ResultVariable(("time",), trajectory.t, {"units": "s"}),
+        "y": ResultVariable(("time", "state"), trajectory.y, {"long_name": "state"}),
+    }
+    for quantity in QUANTITIES:
+        if quantity.kept in kept:
+            for name, words in trajectory.names(quantity):
+                attributes = {"units": quantity.unit.replace("^", ""), "long_name": words}
+                over = ("time", *quantity.dimensions)
+                found[name] = ResultVariable(over, trajectory.values(name), attributes)
+    changes = trajectory.changes
+    if changes is not None:
+        attributes = {"long_name": "parameters that held"}
+        found[PARAMETERS] = ResultVariable(("time", "parameter"), changes.p, attributes)
+        attributes = {"units": "J", "long_name": "energy that changes and kicks have put in"}
+        found[GIVEN] = ResultVariable(("time",), changes.given, attributes)
+    return found
+
+
+def state_units(states: Sequence[str]) -> list[str]:
+    """Units of the states with these names."""
+    return [UNITS.get(name.rstrip("0123456789"), "") for name in states]
+
+
+def parameter_names(scene: Scene) -> list[str]:
+    """Labels of the columns of parameters, one for every number of those that are several."""
+    structure = scene.structure
+    names = []
+    for name in structure.parameters:
+        several = structure.index_ranges.get(name)
+        names += [name] if several is None else [f"{name}_{at}" for at in several]
+    return names
+
+
+def changes_in(
+    records: NDArray[Any], scene: Scene, kept: NDArray[np.intp] | slice = slice(None)
+) -> Changes | None:
+    """Changes in the run of some records of a file; None for a run that was not changed."""
+    if PARAMETERS not in (records.dtype.names or ()):
+        return None
+    return Changes(
+        _fill_parameters(native_copy(records[PARAMETERS][kept]), scene),
+        native_copy(records[GIVEN][kept]),
+    )
+
+
+def _fill_parameters(p: Array, scene: Scene) -> Array:
+    """Parameters (T, parameters) from those of a file, which may lack numbers of expressions."""
+    structure = scene.structure
+    missing = [structure.indices[name] for name in structure.numbers]
+    if p.shape[1] != structure.width - len(missing):
+        return p
+    whole = np.empty((len(p), structure.width))
+    whole[:, missing] = [scene.parameters[name] for name in structure.numbers]
+    whole[:, np.delete(np.arange(structure.width), missing)] = p
+    return whole
+
+
+def native_copy(values: NDArray[Any]) -> Array:
+    """Copy an array as C-contiguous doubles in the byte order of this machine."""
+    return np.array(values, dtype=float, order="C")
+
+
+def event_variables(number: NDArray[Any], t: Array, y: Array) -> dict[str, ResultVariable]:
+    """Variables of events: number of their kind in the scene, (E,), times, (E,), states, (E, S)."""
+    return {
+        "event_number": ResultVariable(
+            ("event",), number.astype("i4"), {"long_name": "kind of event"}
+        ),
+        "event_time": ResultVariable(("event",), t, {"units": "s", "long_name": "time of event"}),
+        "event_y": ResultVariable(("event", "state"), y, {"long_name": "state at event"}),
+    }
+
+
+def contents(
+    system: System,
+    model: ModuleType,
+    terms: Sequence[str],
+    events: int,
+    changed: bool = False,
+) -> tuple[dict[str, int | None], dict[str, ResultVariable], dict[str, str]]:
+    """Dimensions, variables (with one sample at rest) and attributes of a file without samples.
+
+    changed: each sample has parameters of its own. Raises InputError for more than the format can
+    hold.
+    """
+    states, n, scene = len(model.STATE), system.structure.links, system.scene
+    zero = np.zeros(1)
+    work = dict.fromkeys(terms, zero)
+    rest = Trajectory(system, zero, np.zeros((1, states)), work, NO_STATS, model=model)
+    rest.changes = Changes(system.p[None], zero) if changed else None
+    with np.errstate(all="ignore"):
+        sample = variables_of(rest)
+    if sum(quantity.values.nbytes for quantity in sample.values()) > MOST:
+        raise InputError("rod.links", n, f"fewer: a sample has more than the {MOST} bytes allowed")
+    if 8 * states * events > MOST:
+        allowed = f"at most {MOST // (8 * states)} to be kept, of {states} states each"
+        raise InputError("events", events, allowed)
+    names = np.array(model.STATE, dtype="S")
+    dimensions = {"time": None, "state": states, "link": n, "joint": n + 1, "axis": 2}
+    dimensions |= {"letter": 1, "state_letter": names.itemsize, "run_letter": PAGE}
+    variables = {
+        "state": ResultVariable(("state", "state_letter"), _letters(names), TEXT),
+        "link": ResultVariable(("link",), np.arange(n, dtype="i4"), {}),
+        "joint": ResultVariable(("joint",), np.arange(n + 1, dtype="i4"), {}),
+        "axis": ResultVariable(("axis", "letter"), _letters(np.array([b"x", b"y"])), TEXT),
+        "run": ResultVariable(("run_letter",), _letters(np.array(RunState().text())), TEXT),
+    }
+    if events:
+        dimensions["event"] = events
+        none = np.broadcast_to(np.nan, (events, states))
+        variables |= event_variables(np.full(events, -1), none[:, 0], none)
+        zeros = np.zeros(events, "i4")
+        variables["event_checksum"] = ResultVariable(("event",), zeros, {"long_name": "its CRC-32"})
+    if changed:
+        labels = np.array(parameter_names(scene), dtype="S")
+        dimensions |= {"parameter": len(labels), "parameter_letter": labels.itemsize}
+        over = ("parameter", "parameter_letter")
+        variables["parameter"] = ResultVariable(over, _letters(labels), TEXT)
+    # The last: in a record it is of all before it.
+    sample[CHECKSUM] = ResultVariable(
+        ("time",), np.zeros(1, "i4"), {"long_name": "CRC-32 of a sample"}
+    )
+    how = {key: model.PROVENANCE[key] for key in ("target", "form")}
+    return dimensions, variables | sample, {**attributes(scene), **how}
+
+
+def attributes(scene: Scene) -> dict[str, str]:
+    """Attributes of a file: its format, the version of rodgen, and the scene."""
+    table = json.dumps(scene.to_dict())
+    return {"format": FORMAT, "rodgen": version("rodgen"), "scene": table}
+
+
+def _letters(texts: NDArray[np.bytes_]) -> NDArray[np.bytes_]:
+    """Split texts (...) into letters (..., longest)."""
+    return texts[..., None].view("S1")
+
+
+def check_layout(header: Header, system: System, model: ModuleType, path: Path) -> None:
+    """Raise InputError unless the file holds just what `contents` says for this scene."""
+    found = {name: (v.dimensions, v.dtype, v.shape) for name, v in header.variables.items()}
+    terms = [name[len(WORK) :] for name in found if name.startswith(WORK)]
+    events = header.variables["event_number"].shape[0] if "event_number" in found else 0
+    _, variables, _ = contents(system, model, terms, events, PARAMETERS in found)
+    due = {
+        name: (over, values.dtype.newbyteorder(">"), values.shape["time" in over :])
+        for name, (over, values, _) in variables.items()
+    }
+    if found != due:
+        wrong = ", ".join(sorted(name for name in found | due if found.get(name) != due.get(name)))
+        raise InputError("file", str(path), f"written by rodgen (not so: {wrong})")

@@ -1,0 +1,411 @@
+"""Formulas of the quantities of a motion, from functions of the generated module and each other.
+
+Their names, and who shows them, stand in model/quantities.py.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping
+from functools import cached_property, lru_cache
+from types import ModuleType
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from rodgen.arrays import Array
+from rodgen.errors import did_you_mean
+from rodgen.integrate.constraint_forces import forces_per_mass
+from rodgen.loading.generated_module import Asked, call_module, structure_of
+from rodgen.model.quantities import FORCES, QUANTITIES, Quantity
+from rodgen.model.rod import BOUNDARIES, Boundary
+from rodgen.model.terms import PARAMETERS, describe
+
+TURN = 1e-5  # rad, by which the links turn in a difference: errors are its square, and eps over it
+
+
+class PrincipalAxes(NamedTuple):
+    """Principal axes of inertia. angle: from the x axis to the axis of the smaller moment [rad], in
+    (-pi/2, pi/2], (T,); moments: the smaller and the larger principal one [kg m^2], (T, 2)."""
+
+    angle: Array
+    moments: Array
+
+
+def principal_axes(x: Array, y: Array, xy: Array) -> PrincipalAxes:
+    """Principal axes of moments about x and y and the product of inertia [kg m^2], each (...)."""
+    tensor = np.stack((np.stack((x, -xy), -1), np.stack((-xy, y), -1)), -2)
+    moments, axes = np.linalg.eigh(tensor)
+    angle = np.arctan2(axes[..., 1, 0], axes[..., 0, 0])
+    # An axis has no direction: of its two angles the one in (-pi/2, pi/2].
+    angle = np.where(angle > np.pi / 2, angle - np.pi, angle)
+    angle = np.where(angle <= -np.pi / 2, angle + np.pi, angle)
+    return PrincipalAxes(angle, moments)
+
+
+class Motion:
+    """States over time, and the quantities that follow from them.
+
+    t: times [s], (...); y: states, (..., states); work: of each load without potential since the
+    start [J], by term, each (...). Subclasses define the members that raise NotImplementedError.
+    """
+
+    t: Array
+    y: Array
+    work: Mapping[str, Array]
+
+    # What raises NotImplementedError here is defined by Trajectory and MotionSlice.
+
+    @cached_property
+    def boundary_condition(self) -> Boundary:
+        """Boundary of the rod: how its start is held."""
+        raise NotImplementedError
+
+    @cached_property
+    def extra_states(self) -> tuple[str, ...]:
+        """Names of the states that are neither positions nor velocities."""
+        raise NotImplementedError
+
+    @cached_property
+    def time_laws(self) -> Mapping[str, Callable[[Any], Any]]:
+        """Loads that change with time, by the names of their parameters."""
+        raise NotImplementedError
+
+    @cached_property
+    def has_feedback(self) -> bool:
+        """Whether the module has sensors or loads that follow the motion."""
+        raise NotImplementedError
+
+    @cached_property
+    def energy_input(self) -> Array | float:
+        """Energy that changes and kicks have put in since the start [J], (...) or a number."""
+        raise NotImplementedError
+
+    @cached_property
+    def start_energy(self) -> float:
+        """Energy at the start [J]."""
+        raise NotImplementedError
+
+    def parameter(self, name: str) -> Array | float:
+        """A parameter of the module that is a number, (...) or one for all samples."""
+        raise NotImplementedError
+
+    def evaluate(self, function: str | Asked, *arrays: Array) -> Any:
+        """Call a function of the module (see call_module) on arrays over the samples and the
+        parameters: an array, (..., parts) of several results, or a dictionary of arrays by term."""
+        raise NotImplementedError
+
+    def values(self, name: str) -> Any:
+        """Values of a quantity in SI units, one row for each state; computed once.
+
+        name: as the page of quantities in the reference has it, such as "tip", "axial_force" or
+        "total_energy".
+
+        Raises KeyError for a name that is no quantity, or none of a rod with this boundary.
+        """
+        found = self._cache.get(name)
+        if found is None:
+            only = ONLY.get(name, "")
+            if only and not getattr(self.boundary_condition, only):
+                raise KeyError(
+                    f"{name} is no quantity of a rod that is {self.boundary_condition.title}"
+                )
+            found = self._cache[name] = _formula(name)(self)
+        return found
+
+    @cached_property
+    def _cache(self) -> dict[str, Any]:
+        return {}
+
+    def names(self, quantity: Quantity) -> Iterator[tuple[str, str]]:
+        """Names and words of the quantities of a row: one for each load, or itself.
+
+        quantity: a row of QUANTITIES.
+        """
+        if not quantity.each:
+            yield quantity.name, quantity.words
+            return
+        for term in self.values("forces") if quantity.each == FORCES else self.work:
+            yield quantity.name.format(term), quantity.words.format(describe(term))
+
+
+class MotionSlice(Motion):
+    """Motion with constant parameters p; y may have any leading axes. Arguments that only some
+    quantities need can be left out."""
+
+    def __init__(
+        self,
+        model: ModuleType,
+        p: Array,
+        y: Array,
+        t: Array | None = None,
+        work: Mapping[str, Array] | None = None,
+        given: float = 0.0,
+        start_energy: float = 0.0,
+        timed: Mapping[str, Callable[[Any], Any]] | None = None,
+    ):
+        self.model, self.boundary_condition, self.p, self.y = (
+            model,
+            BOUNDARIES[model.BOUNDARY],
+            p,
+            y,
+        )
+        self.extra_states = tuple(getattr(model, "STATES", ()))
+        self.t = np.zeros(y.shape[:-1]) if t is None else t
+        self.work, self.time_laws = work or {}, timed or {}
+        self.energy_input, self.start_energy = given, start_energy
+
+    @cached_property
+    def has_feedback(self) -> bool:
+        return structure_of(self.model).has_feedback
+
+    def parameter(self, name: str) -> float:
+        """A parameter of the module that is a number; 0 for one that it does not have."""
+        names = self.model.PARAMETERS
+        return float(self.p[names.index(name)]) if name in names else 0.0
+
+    def evaluate(self, function: str | Asked, *arrays: Array) -> Any:
+        return stack_parts(call_module(self.model, function, self.t, *arrays, self.p))
+
+
+def stack_parts(found: Any) -> Any:
+    """Result of a function of a module, with several arrays joined along a last axis; one array or
+    a dictionary of arrays by term stays as it is."""
+    if isinstance(found, tuple):
+        return np.stack(np.broadcast_arrays(*found), -1)
+    return found
+
+
+@lru_cache(maxsize=16)
+def loads_at_work(model: ModuleType) -> tuple[str, ...]:
+    """Names of the loads without potential of a module, whose work is integrated."""
+    if not hasattr(model, "power"):
+        return ()
+    y, p = np.zeros(len(model.STATE)), np.ones(len(model.PARAMETERS))
+    with np.errstate(all="ignore"):  # their names are asked for, whatever their powers are
+        return tuple(model.power(0.0, y, p))
+
+
+def _formula(name: str) -> Callable[[Motion], Any]:
+    formula = FORMULAS.get(name)
+    if formula is not None:
+        return formula
+    if name in PARAMETERS:
+        return lambda motion: _load(motion, name)
+    prefix, _, term = name.partition("_")
+    if prefix not in OF_A_LOAD:  # a state that is added
+        return lambda motion: _signal(motion, name)
+    of = OF_A_LOAD[prefix]
+    return lambda motion: of(motion, term)
+
+
+def _of_states(function: str) -> Callable[[Motion], Any]:
+    """Formula of a function of the module on the states."""
+    return lambda motion: motion.evaluate(function, motion.y)
+
+
+def _of_times_and_states(function: str) -> Callable[[Motion], Any]:
+    """Formula of a function of the module on the times and the states."""
+    return lambda motion: motion.evaluate(function, motion.t, motion.y)
+
+
+def _of_part(group: str, at: int) -> Callable[[Motion], Array]:
+    """Formula of one part of another quantity, along its last axis."""
+    return lambda motion: motion.values(group)[..., at]
+
+
+def _of_all_links(motion: Motion, half: int, before: Array | float) -> Array:
+    """Angles or rates of all links, (..., n), those of held links included."""
+    y, boundary = motion.y, motion.boundary_condition
+    size = _n_positions(motion)
+    moving: Array = y[..., half * size + 2 * boundary.translates : (half + 1) * size]
+    if not boundary.first:
+        return moving
+    held = np.broadcast_to(np.asarray(before)[..., None], (*y.shape[:-1], boundary.first))
+    return np.concatenate((held, moving), axis=-1)
+
+
+def _n_positions(motion: Motion) -> int:
+    """Number of the states that are positions."""
+    return (int(motion.y.shape[-1]) - len(motion.extra_states)) // 2
+
+
+def _clamp_angle(motion: Motion) -> Array | float:
+    """Angle of the clamp [rad], 0 without one."""
+    return motion.parameter("clamp_angle") if motion.boundary_condition.is_clamped else 0.0
+
+
+def _link_differences(motion: Motion, links: str, clamp: Array | float) -> Array:
+    """Differences between neighbouring links; at a spring in the root or the tail, between a link
+    and the value at which the spring holds it."""
+    values = motion.values(links)
+    held = np.broadcast_to(np.asarray(clamp)[..., None], (*values.shape[:-1], 1))
+    root, tail = (
+        [held] if size else []
+        for size in (motion.boundary_condition.root, motion.boundary_condition.tail)
+    )
+    return np.diff(np.concatenate((*root, values, *tail), axis=-1), axis=-1)
+
+
+def _joint_forces(motion: Motion) -> Array:
+    """Forces [N] in the joints that pass one on to a moving link, (..., sections, 2)."""
+    links = motion.values("phi").shape[-1]
+    per_mass = motion.evaluate(forces_per_mass, motion.y)
+    first = (
+        motion.boundary_condition.first_force - motion.boundary_condition.first
+    )  # joint 0 of a free rod passes none on
+    unit = np.asarray(motion.parameter("mass"))[..., None, None] / links
+    found: Array = unit * per_mass[..., first:, :]
+    if (own := _call_optional(motion, "start_loads", motion.t)) is not None:
+        found += own[..., first:, :]
+    return found
+
+
+def _call_optional(motion: Motion, function: str, *times: Array) -> Array | None:
+    """Call a function of the module on the states; None where the module of the rod has none."""
+    try:
+        found: Array = motion.evaluate(function, *times, motion.y)
+    except AttributeError as error:
+        if error.name != function:
+            raise
+        return None
+    return found
+
+
+def _section_forces(motion: Motion) -> Array:
+    """Joint forces along and across the rod there, (..., sections, 2): its direction in a joint is
+    the mean of its neighbours', and at a support that of the first moving link."""
+    phi, boundary = motion.values("phi"), motion.boundary_condition
+    angles = (phi[..., :-1] + phi[..., 1:]) / 2
+    mean = angles if boundary.first_force else np.concatenate((phi[..., :1], angles), axis=-1)
+    x, y = np.moveaxis(motion.values("joint_forces"), -1, 0)
+    c, s = np.cos(mean), np.sin(mean)
+    return np.stack((c * x + s * y, c * y - s * x), axis=-1)
+
+
+def _support_forces(motion: Motion) -> Array:
+    """Forces of the supports on all links [N], and their moments [N m], (..., n, 3). Raises
+    KeyError for a rod without supports."""
+    moving = _call_optional(motion, "support_forces")
+    if moving is None:
+        raise KeyError("a rod without supports has no force or moment of them")
+    held = np.zeros((*moving.shape[:-2], motion.boundary_condition.first, moving.shape[-1]))
+    found: Array = np.concatenate((held, moving), axis=-2)
+    return found
+
+
+def _velocity(motion: Motion, function: str, *at: int) -> Array:
+    """Velocity of a point, (..., 2), by a central difference of its positions, which a function of
+    the module gives. Relative to joint 0, lest a rod far away lose its digits."""
+    y, base = motion.y, 2 * motion.boundary_condition.translates
+    half = _n_positions(motion)
+    rates = y[..., half + base : 2 * half]
+    fastest = np.abs(rates).max(axis=-1, initial=0.0)
+    h = np.where(fastest > 0, TURN / np.where(fastest > 0, fastest, 1.0), 1.0)[..., None]
+    points = []
+    for turn in (h * rates, -h * rates):
+        there = y.copy()
+        there[..., :base] = 0.0
+        there[..., base:half] += turn
+        points.append(motion.evaluate(function, there)[(..., *at, slice(None))])
+    found: Array = (points[0] - points[1]) / (2 * h)
+    return found + y[..., half : half + 2] if base else found
+
+
+def _principal(motion: Motion) -> PrincipalAxes:
+    return principal_axes(*np.moveaxis(motion.values("inertia"), -1, 0))
+
+
+def _total_work(motion: Motion) -> Array:
+    total: Array = sum(motion.work.values(), start=np.zeros(motion.y.shape[:-1]))
+    return total
+
+
+def _balance(motion: Motion) -> Array:
+    gained = motion.values("total_energy") - motion.start_energy
+    balance: Array = gained - motion.values("total_work") - motion.energy_input
+    return balance
+
+
+def _total_energy(motion: Motion) -> Array:
+    kinetic, spring, gravity = np.moveaxis(motion.values("energy"), -1, 0)
+    total: Array = kinetic + spring + gravity
+    return total
+
+
+def _load(motion: Motion, name: str) -> Array:
+    """Values of a load that may change with time, at the times of the samples."""
+    if name in motion.time_laws:
+        value = motion.time_laws[name](motion.t)
+    elif name in motion.values("signals"):
+        value = motion.values("signals")[name]
+    else:
+        value = motion.parameter(name)
+    return np.broadcast_to(np.asarray(value, dtype=float), motion.t.shape)
+
+
+def _signals(motion: Motion) -> dict[str, Array]:
+    """Sensors, loads that follow the motion, and states that are added, by name."""
+    found = motion.evaluate("signals", motion.t, motion.y) if motion.has_feedback else {}
+    first = 2 * _n_positions(motion)
+    return found | {name: motion.y[..., first + at] for at, name in enumerate(motion.extra_states)}
+
+
+def _signal(motion: Motion, name: str) -> Array:
+    """Values of one signal, by its name. Raises KeyError for what no motion has."""
+    found: dict[str, Array] = motion.values("signals")
+    if name not in found:
+        raise KeyError(f"{name} is no quantity{did_you_mean(name, (*FORMULAS, *found))}")
+    return found[name]
+
+
+FORMULAS: dict[str, Callable[[Motion], Any]] = {
+    "t": lambda motion: motion.t,
+    "phi": lambda motion: _of_all_links(motion, 0, _clamp_angle(motion)),
+    "omega": lambda motion: _of_all_links(motion, 1, 0.0),
+    "bend": lambda motion: _link_differences(motion, "phi", _clamp_angle(motion)),
+    "bend_rate": lambda motion: _link_differences(motion, "omega", 0.0),
+    "base": lambda motion: motion.y[..., :2],
+    "base_velocity": lambda motion: motion.y[..., _n_positions(motion) :][..., :2],
+    "joints": _of_states("joints"),
+    "tip": lambda motion: motion.values("joints")[..., -1, :],
+    "tip_velocity": lambda motion: _velocity(motion, "joints", -1),
+    "centre_of_gravity": _of_states("centre_of_gravity"),
+    "centre_velocity": lambda motion: _velocity(motion, "centre_of_gravity"),
+    "bending_moments": _of_states("bending_moments"),
+    "curvature": _of_states("curvatures"),
+    "joint_forces": _joint_forces,
+    "section_forces": _section_forces,
+    "axial_force": _of_part("section_forces", 0),
+    "shear_force": _of_part("section_forces", 1),
+    "reaction": lambda motion: -motion.values("joint_forces")[..., 0, :],
+    "reaction_moment": _of_times_and_states("reaction_moment"),
+    "support_forces": _support_forces,  # with the moments, (..., n, 3)
+    "support_force": lambda motion: motion.values("support_forces")[..., :2],
+    "support_moment": _of_part("support_forces", 2),
+    "momentum": _of_states("momentum"),
+    "angular_momentum": _of_states("angular_momentum"),
+    "energy": _of_states("energy"),  # of its parts, (..., 3)
+    "kinetic_energy": _of_part("energy", 0),
+    "spring_energy": _of_part("energy", 1),
+    "gravity_energy": _of_part("energy", 2),
+    "total_energy": _total_energy,
+    "total_work": _total_work,
+    "energy_balance": _balance,
+    "inertia": _of_states("inertia"),  # of its parts, (..., 3)
+    "inertia_x": _of_part("inertia", 0),
+    "inertia_y": _of_part("inertia", 1),
+    "product_xy": _of_part("inertia", 2),
+    "principal_axes": _principal,
+    "principal_angle": lambda motion: motion.values("principal_axes").angle,
+    "principal_moments": lambda motion: motion.values("principal_axes").moments,
+    "signals": _signals,  # by name
+    "forces": _of_times_and_states("forces"),  # by term
+    "power": _of_times_and_states("power"),  # by term
+}
+ONLY = {row.name: row.only for row in QUANTITIES}  # what a boundary must be
+# What there is one of for each load, by what comes before the name of its term.
+OF_A_LOAD: dict[str, Callable[[Motion, str], Array]] = {
+    "work": lambda motion, term: motion.work[term],
+    "power": lambda motion, term: np.broadcast_to(motion.values("power")[term], motion.t.shape),
+    "force": lambda motion, term: motion.values("forces")[term],
+}

@@ -1,0 +1,399 @@
+"""Many runs of one module: from parameters and initial states to what is kept of every run."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator, Mapping, Sequence
+from functools import lru_cache
+from types import ModuleType
+from typing import Any, Unpack
+
+import numpy as np
+from numpy.typing import ArrayLike
+from pydantic import ValidationError
+
+from rodgen.arrays import Array
+from rodgen.errors import InputError, Missing, check_type
+from rodgen.integrate import lane_runs
+from rodgen.integrate.crossings import Crossing
+from rodgen.integrate.diagnosis import advice
+from rodgen.integrate.ensemble import Ensemble
+from rodgen.integrate.events import EventDetector
+from rodgen.integrate.integrator import Integrator
+from rodgen.integrate.methods.method_choice import choose, make_integrator
+from rodgen.integrate.module_facts import ModuleFacts, facts_of
+from rodgen.integrate.quantity_formulas import MotionSlice
+from rodgen.integrate.recorder import Recorder
+from rodgen.integrate.reductions import Reduction
+from rodgen.integrate.run_status import FAILED, FINISHED, event_message
+from rodgen.integrate.stepper import StepError
+from rodgen.integrate.stretches import UNBOUNDED, Stretches, evaluation_bounds, step_to
+from rodgen.model.methods import METHODS
+from rodgen.native.native_batch import REACHED, STOPPED
+from rodgen.scene import Scene
+from rodgen.scene.integration import (
+    AUTO,
+    IntegrationSettings,
+    IntegrationTable,
+    check_used,
+    with_keywords,
+)
+from rodgen.scene.plain_tables import to_plain
+from rodgen.scene.validation import to_input_error
+from rodgen.system import System
+
+MOST_WORKERS = 1024
+PARTS = ("rhs", "power")  # of a module of many runs; lanes come when they are asked for
+
+
+@with_keywords
+def simulate_many(
+    system: System | Scene | ModuleType,
+    p: ArrayLike | Mapping[str, ArrayLike] | None = None,
+    y0: ArrayLike | None = None,
+    *,
+    keep: Sequence[str] = (),
+    workers: int = 1,
+    **settings: Unpack[IntegrationSettings],
+) -> Ensemble:
+    """Integrate many rods of one structure, each with parameters and an initial state of its own.
+
+    Explicit methods of C modules take their steps in C, as many rods side by side as a vector has
+    lanes, each with a step of its own. Samples are not stored, but taken into what is kept as runs
+    go. Where laws of the motion switch at a sensor or a state, with methods that are implicit or
+    not compiled, and for quantities that C does not have, runs are made one after the other. What
+    comes out of a run does not depend on the others, their order or number, nor on the workers, to
+    the bit. A run that fails does not stop the others.
+
+    Parameters
+    ----------
+    system
+        A System or a scene, with its own settings where none are given; or a module of `build`.
+        Events are not looked for.
+    p
+        What the rods differ in. Of a System by keys of its scene, such as "loads.follower.force",
+        each a number or (rods,), in SI units. Or parameters (rods, parameters), as the module's
+        `parameters` packs them; of a module also by their names in it, each a number or (rods,), of
+        several numbers (K,) or (rods, K). One set for all has no first axis.
+    y0
+        States (rods, states) at the start, in SI units and the order of the module's STATE, or one
+        for all. By default those of the System.
+    keep
+        Reductions such as "max(phi_19)" or "rms(tip_y, from=5)": last, min, max, mean, rms, std or
+        time_of_max of a number of any quantity, over the samples of a run (between two times [s]).
+    workers
+        Threads that share the work.
+    **settings
+        As those of [integrate] in a scene: span, method (of a module by default dop853), step,
+        rtol, atol, output_every, t_eval, max_steps.
+
+    Returns
+    -------
+    Ensemble
+        What is kept, in arrays (rods,).
+
+    Raises
+    ------
+    InputError
+        For arrays of other shapes, values that are not finite or not allowed, names that the module
+        does not have, reductions that are none, and settings that cannot be used.
+    TypeError
+        For what is no System, scene or module.
+
+    Examples
+    --------
+    >>> import numpy as np, rodgen
+    >>> scene = rodgen.Scene.example("missile")
+    >>> masses = {"rod.mass": np.linspace(19, 21, 3)}
+    >>> found = rodgen.simulate_many(scene, masses, keep=["last(tip_x)"], span=[0, 1], rtol=1e-6)
+    >>> found.values["last(tip_x)"].shape
+    (3,)
+    """
+    check_type("system", system, System, Scene, ModuleType, see="Scene.from_toml")
+    if isinstance(system, ModuleType):
+        for name, value in (("p", p), ("y0", y0)):
+            if value is None:
+                raise InputError(name, Missing(), "given beside a module")
+        return simulate_rods(system, p, y0, keep=keep, workers=workers, **settings)
+    system = System.of(system).with_settings(**settings)
+    check_used(system.settings, settings)
+    if ends := [event.name for event in system.events if event.action == "stop"]:
+        raise InputError("events", ends, "absent, as they stop a run: rodgen.study heeds them")
+    model = system.model(parts=PARTS)
+    if isinstance(p, Mapping):
+        p, own = system.batch_arrays(p)
+    else:
+        p, own = system.p if p is None else p, system.y0
+    if system.settings.method == AUTO:
+        system = system.with_method(choose(system, model).method)
+    y0 = own if y0 is None else y0
+    return simulate_rods(model, p, y0, keep=keep, workers=workers, **system.settings.used_settings)
+
+
+def can_run_in_lanes(
+    model: ModuleType,
+    keep: Sequence[str],
+    crossings: Sequence[Crossing],
+    traced: Sequence[str],
+    **settings: Any,
+) -> bool:
+    """Whether runs with these settings go side by side in C."""
+    equations = facts_of(model)
+    used, _ = _settings(tuple((name, _hashable(name, v)) for name, v in settings.items()))
+    reductions = equations.reductions(tuple(keep))
+    return equations.plan(used, reductions, tuple(crossings), tuple(traced)) is not None
+
+
+def simulate_rods(
+    model: ModuleType,
+    p: ArrayLike | Mapping[str, ArrayLike] | None,
+    y0: ArrayLike | None,
+    *,
+    keep: Sequence[str] = (),
+    crossings: Sequence[Crossing] = (),
+    traced: Sequence[str] = (),
+    workers: int = 1,
+    **settings: Any,
+) -> Ensemble:
+    """Integrate many rods of a module, as `simulate_many` does. crossings: levels to look for,
+    traced: numbers of which all samples are kept; both in runs side by side alone. Raises what
+    `simulate_many` raises."""
+    equations = facts_of(model)
+    used, times = _settings(tuple((name, _hashable(name, v)) for name, v in settings.items()))
+    whole = isinstance(workers, int) and not isinstance(workers, bool)
+    if not (whole and 0 < workers <= MOST_WORKERS):
+        raise InputError("workers", workers, f"a whole number from 1 to {MOST_WORKERS}")
+    width, states = equations.width, equations.states
+    packed = equations.pack(p) if isinstance(p, Mapping) else _check_rows("p", p, width)
+    y = _check_rows("y0", y0, states)
+    if len(packed) != len(y) and 1 not in (len(packed), len(y)):
+        allowed = f"({len(packed)}, {states}), a state for every row of p, or one state ({states},)"
+        raise InputError("y0", _Shape(y.shape), allowed)
+    rods = min(len(packed), len(y)) and max(len(packed), len(y))
+    reductions = equations.reductions((keep,) if isinstance(keep, str) else tuple(keep))
+    plan = equations.plan(used, reductions, tuple(crossings), tuple(traced))
+    if plan is None:
+        return _run_in_turn(equations, reductions, used, times.all, packed, y, rods)
+    return _run_in_lanes(equations, plan, reductions, used, times, packed, y, rods, workers)
+
+
+class _Shape(tuple[int, ...]):
+    """Shape of an array that was given, as messages show it."""
+
+    __slots__ = ()
+
+    def __repr__(self) -> str:
+        return f"(an array of shape {tuple(self)})"
+
+
+def _check_rows(name: str, values: Any, width: int) -> Array:
+    """Check rows of numbers, and return them as doubles, (rods, width). Raises InputError."""
+    array = np.asarray(values)
+    if isinstance(values, np.ma.MaskedArray) or array.dtype.kind not in "iuf":
+        raise InputError(name, values, "real numbers")
+    if array.ndim not in (1, 2) or array.shape[-1] != width:
+        raise InputError(name, _Shape(array.shape), f"of shape ({width},) or (rods, {width})")
+    rows = np.ascontiguousarray(array.reshape(-1, width), dtype=float)
+    if not np.isfinite(rows).all():
+        rod, at = (int(place) for place in np.argwhere(~np.isfinite(rows))[0])
+        where = f"{name}[{rod}, {at}]" if array.ndim == 2 else f"{name}[{at}]"
+        raise InputError(where, float(rows[rod, at]), "a finite number")
+    return rows
+
+
+def _hashable(name: str, value: Any) -> Any:
+    """Make a setting hashable, so that it can be looked up."""
+    value = to_plain(value, name)
+    return tuple(value) if isinstance(value, list) else value
+
+
+@lru_cache(maxsize=64)
+def _settings(given: tuple[tuple[str, Any], ...]) -> tuple[IntegrationTable, lane_runs.OutputTimes]:
+    """Settings, checked as a scene's are, and the output times."""
+    table = {name: list(v) if isinstance(v, tuple) else v for name, v in given if v is not None}
+    try:
+        settings = IntegrationTable.model_validate({"method": "dop853"} | table)
+    except ValidationError as error:
+        raise to_input_error(error, table, IntegrationTable) from None
+    if settings.method == AUTO:
+        raise InputError("method", AUTO, f"one of {', '.join(METHODS)}: auto looks at one scene")
+    check_used(settings, table)
+    return settings, lane_runs.OutputTimes.of(settings.sample_times)
+
+
+# Side by side ----------------------------------------------------------------------------------
+
+
+def _run_in_lanes(
+    equations: ModuleFacts,
+    plan: lane_runs.ReductionPlan,
+    reductions: Sequence[Reduction],
+    settings: IntegrationTable,
+    times: lane_runs.OutputTimes,
+    p: Array,
+    y: Array,
+    rods: int,
+    workers: int,
+) -> Ensemble:
+    """Integrate the rods side by side, in the lanes of C."""
+    courses, which, refused = equations.courses(settings, p, rods)
+    jobs = list(_ranges_without(sorted(refused), rods)) if refused else [(0, rods)]
+    block = lane_runs.run_lanes(
+        equations.lanes, plan, settings, times, p, y, courses, which, rods, jobs, workers
+    )
+    outcome, works = block.outcome, equations.lanes.works
+    ended = np.full(rods, FINISHED)
+    message: dict[int, str] = {}
+    # Of what has come to its end there is nothing to say: most often that is all of it.
+    for rod in (
+        () if (reached := outcome["status"] == REACHED).all() else np.flatnonzero(~reached).tolist()
+    ):
+        status, t = int(outcome["status"][rod]), float(outcome["t"][rod])
+        if status == STOPPED:
+            message[rod] = event_message(t, plan.watched.stop_name(int(outcome["stopped"][rod])))
+            continue
+        said = refused.get(rod) or _failure_message(
+            lane_runs.stop_reason(status, settings, t), t, settings
+        )
+        message[rod], ended[rod] = said, FAILED
+    for rod in refused:
+        block.values[rod], block.state[rod], outcome["t"][rod] = np.nan, np.nan, settings.span[0]
+    least, most = block.values[:, -2], block.values[:, -1]
+    return Ensemble(
+        values={one.text: block.values[:, at] for at, one in enumerate(reductions)},
+        t=outcome["t"],
+        y=block.state[:, : equations.states],
+        work={term: block.state[:, equations.states + at] for at, term in enumerate(works)},
+        status=ended,
+        message=message,
+        nsteps=outcome["steps"],
+        rejected=outcome["rejected"],
+        nfev=outcome["rhs"],
+        energy_error=np.maximum(most, -least),
+        crossed=tuple(plan.watched.decode(block.crossed)),
+        traces=block.traces,
+        samples=times.all,
+    )
+
+
+def _ranges_without(gaps: Sequence[int], count: int) -> Iterator[tuple[int, int]]:
+    """Ranges of whole numbers below a count that leave out the gaps."""
+    begin = 0
+    for gap in (*gaps, count):
+        if gap > begin:
+            yield begin, gap
+        begin = gap + 1
+
+
+def _failure_message(why: str, t: float, settings: IntegrationTable) -> str:
+    return f"stopped at t = {t:.9g} s: {why}; {advice(why, settings, False)}"
+
+
+# One by one ------------------------------------------------------------------------------------
+
+
+def _run_in_turn(
+    equations: ModuleFacts,
+    reductions: Sequence[Reduction],
+    settings: IntegrationTable,
+    times: Array,
+    p: Array,
+    y: Array,
+    rods: int,
+) -> Ensemble:
+    """Integrate the rods one after the other, by whatever method."""
+    works = equations.works
+    made = Ensemble(
+        values={one.text: np.full(rods, np.nan) for one in reductions},
+        t=np.full(rods, settings.span[0]),
+        y=np.full((rods, equations.states), np.nan),
+        work={term: np.full(rods, np.nan) for term in works},
+        status=np.full(rods, FINISHED),
+        message={},
+        nsteps=np.zeros(rods, dtype=np.int64),
+        rejected=np.zeros(rods, dtype=np.int64),
+        nfev=np.zeros(rods, dtype=np.int64),
+        energy_error=np.full(rods, np.nan),
+    )
+    for rod in range(rods):
+        of_rod, start = p[rod % len(p)], y[rod % len(y)]
+        recorder = Recorder(times, equations.states, works)
+        with np.errstate(all="ignore"):  # of a state that cannot be integrated
+            taken = make_integrator(equations.model, of_rod, settings, settings.span[0], start)
+            try:
+                _run(equations, of_rod, settings, taken, recorder)
+                _store_reductions(
+                    equations, of_rod, start, settings, recorder, reductions, made, rod
+                )
+            except (StepError, OverflowError, InputError) as error:
+                made.status[rod] = getattr(error, "status", FAILED)
+                why = _with_values(str(error), equations, of_rod)
+                made.message[rod] = (
+                    why
+                    if isinstance(error, InputError)
+                    else _failure_message(why, taken.t, settings)
+                )
+            made.t[rod], made.y[rod] = taken.t, taken.y
+            for term, work in zip(works, taken.works(recorder), strict=True):
+                made.work[term][rod] = work
+            counts = taken.counts
+            made.nsteps[rod], made.nfev[rod] = counts.nsteps, counts.nfev
+            made.rejected[rod] = -1 if counts.rejected is None else counts.rejected
+    return made
+
+
+def _with_values(text: str, equations: ModuleFacts, p: Array) -> str:
+    """Replace the names that numbers of expressions have in p by their values in a text."""
+    structure = equations.structure
+    if not structure.numbers:
+        return text
+    names = re.compile(rf"\b({'|'.join(map(re.escape, structure.numbers))})\b")
+    return names.sub(lambda found: f"{p[structure.indices[found[1]]]:g}", text)
+
+
+def _run(
+    equations: ModuleFacts,
+    p: Array,
+    settings: IntegrationTable,
+    machine: Integrator,
+    recorder: Recorder,
+) -> None:
+    """Run a rod to its end. Raises StepError."""
+    course = equations.time_functions(settings.span, p)
+    watch = EventDetector(
+        (), equations.model, p, () if settings.has_fixed_step else course.switches()
+    )
+    stretches = Stretches.of(course, settings.has_fixed_step)
+    times, rows = recorder.free_rows()
+    if times[0] == machine.t:
+        rows[0] = 0.0
+        rows[0, : recorder.states] = machine.y
+        recorder.commit(1)
+    for end in stretches.ends:
+        machine.begin(end, *evaluation_bounds(machine.t, end), stretches.swing)
+        step_to(end, machine, recorder, watch, settings.step_limit, lambda: None)
+    if stretches.pole:
+        raise StepError(UNBOUNDED)
+
+
+def _store_reductions(
+    equations: ModuleFacts,
+    p: Array,
+    start: Array,
+    settings: IntegrationTable,
+    recorder: Recorder,
+    reductions: Sequence[Reduction],
+    made: Ensemble,
+    rod: int,
+) -> None:
+    """Store the reductions of the samples of a run."""
+    t, y, work = recorder.in_memory()
+    at_start = MotionSlice(equations.model, p, start[None], np.array(settings.span[:1]))
+    motion = MotionSlice(
+        *(equations.model, p, y, t, work),
+        start_energy=float(at_start.values("total_energy")[0]),
+        timed=equations.time_laws(p),
+    )
+    for one in reductions:
+        made.values[one.text][rod] = one.reduce(t, equations.numbers.values(motion, one.number))
+    made.energy_error[rod] = np.abs(motion.values("energy_balance")).max(initial=0.0)

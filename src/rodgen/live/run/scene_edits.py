@@ -1,0 +1,285 @@
+"""Fields of a scene for the page; scenes in another form, and from files."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import dataclass, replace
+from pathlib import Path
+from types import MappingProxyType
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from rodgen.errors import InputError
+from rodgen.model.fixtures import (
+    AT_IN_MODULE,
+    BODY,
+    STATE,
+    STATE_AT_START,
+    TANK,
+)
+from rodgen.model.parameter import ANY, JOINTS, LINKS, NOT_NEGATIVE, Parameter
+from rodgen.model.rod import BOUNDARIES, CLAMP_ANGLE, MASS_PER_LENGTH, ROD, SPRING
+from rodgen.model.term import Term
+from rodgen.model.terms import TERMS
+from rodgen.scene import Scene
+from rodgen.scene.keys import set_values
+from rodgen.scene.literals import literals
+from rodgen.scene.load_tables import FinFactor
+from rodgen.scene.number_names import number_parameter
+from rodgen.scene.plain_tables import get_at, parse_toml
+
+LARGEST = 2**20  # bytes of a scene, unpacked
+MOST_SCENES = 500  # of a folder
+MOST_LISTED = 12  # of the numbers of a list or a text that can be moved one by one
+PI = 3.141592653589793
+SHAPES = ("phi", "omega")  # initial values of which each link may have its own
+
+
+@dataclass(frozen=True)
+class SceneField:
+    """A key of a scene as a field of the page: the row of its parameter, its dotted name, its
+    label; value: None where it is an expression of time or place, given as text; whole: all numbers
+    of its list, where the scene leaves that out. The key of a number in an expression is that of
+    the expression, and the number's place in its text."""
+
+    of: Parameter
+    key: str
+    label: str
+    value: float | None
+    text: str = ""
+    whole: tuple[float, ...] = ()
+
+    def changes(self, value: float | str) -> dict[str, Any]:
+        """Changes that give the key another value, for `System.at`."""
+        if not self.whole:
+            return {self.key: value}
+        outer, _, last = self.key.rpartition(".")
+        return {outer: [value if k == int(last) else v for k, v in enumerate(self.whole)]}
+
+    @property
+    def unit(self) -> str:
+        """Unit, as it is shown."""
+        return self.of.display_unit
+
+    @property
+    def is_logarithmic(self) -> bool:
+        """Whether the slider is logarithmic."""
+        return self.of.decades and (self.value or 0.0) > 0
+
+    def slider_range(self, scale: float) -> tuple[float, float]:
+        """Range of the slider, lower and upper end, for a value of this size."""
+        if self.of.is_angle:
+            return -PI, PI
+        if self.of.most is not None:
+            return 0.0, self.of.most
+        if self.is_logarithmic:
+            return scale / 100, scale * 100
+        return (-3 * scale if self.of.is_signed else 0.0), 3 * scale
+
+
+class FieldGroup(NamedTuple):
+    """Numbers of a table of a scene: its dotted name, the table, their rows, a suffix to the label
+    of each, and the values of keys that the table leaves out."""
+
+    key: str
+    table: Any
+    rows: Iterable[Parameter]
+    suffix: str = ""
+    left_out: Mapping[str, Any] = MappingProxyType({})
+
+
+def groups_of(scene: Scene) -> Iterator[FieldGroup]:
+    """Groups of all tables whose numbers a live run can change."""
+    straight = {CLAMP_ANGLE.key: 0.0} if scene.boundary_condition.is_clamped else {}
+    rod = (*ROD, MASS_PER_LENGTH, SPRING, CLAMP_ANGLE)
+    yield FieldGroup("rod", scene.rod, rod, left_out=straight)
+    for at, body in enumerate(scene.bodies):
+        group = FieldGroup(f"bodies.{at}", body, BODY, f" of {body.name}")
+        yield group._replace(rows=TANK) if isinstance(body.mass, str) else group
+    for name in scene.loads.terms:
+        term = TERMS[name]
+        one = term.parameters[0]
+        place = scene.key_path(one.name)[: -len(one.key_path)]
+        key, table = ".".join(place), get_at(scene, *place)
+        yield FieldGroup(key, table, term.parameters)
+        if term.placed:
+            yield FieldGroup(key, table, (AT_IN_MODULE,), f" of the {term.label}")
+    if scene.foundation is not None:
+        yield FieldGroup("foundation", scene.foundation, TERMS["foundation"].given)
+    for at, support in enumerate(scene.supports):
+        rows, to = TERMS["supports"].given, {"to": [*scene.anchors.fixed_point(support)]}
+        yield FieldGroup(f"supports.{at}", support, rows, f" of support {at}", to)
+    for name, state in scene.states.items():
+        yield FieldGroup(f"states.{name}", state, STATE, f" of {name}")
+    yield FieldGroup("parameters", scene.numbers, map(number_parameter, scene.numbers))
+
+
+def fields_of(scene: Scene) -> Iterator[SceneField]:
+    """Fields of all numbers that a live run can change, and of expressions that stand for them; of
+    a long list the first and the last."""
+    for group in groups_of(scene):
+        for one in group.rows:
+            yield from _fields(group, one, scene)
+
+
+def _fields(group: FieldGroup, one: Parameter, scene: Scene) -> Iterator[SceneField]:
+    key = ".".join((group.key, *one.key_path))
+    label = f"{one.label} {one.symbol}".strip() + group.suffix
+    value, whole = get_at(group.table, one.key), ()
+    if value is None:
+        value = group.left_out.get(one.key)
+        whole = tuple(value) if isinstance(value, list) else ()
+    if one.part is not None:
+        value = value[one.part]
+    if isinstance(value, str):
+        yield from _fields_of_text(SceneField(one, key, label, None, value), scene)
+    elif isinstance(value, FinFactor):
+        for part in FinFactor.model_fields:
+            yield SceneField(one, f"{key}.{part}", f"{label}, {part}", float(getattr(value, part)))
+    elif isinstance(value, list):
+        last, each = len(value) - 1, LINKS if len(value) == scene.rod.links else JOINTS
+        for number in range(len(value)) if last < MOST_LISTED else (0, last):  # the ends count most
+            said = f"{label}, {each} {number}"
+            yield SceneField(one, f"{key}.{number}", said, float(value[number]))
+    elif value is not None:
+        yield SceneField(one, key, label, float(value), whole=whole)
+
+
+def _fields_of_text(whole: SceneField, scene: Scene) -> Iterator[SceneField]:
+    """Fields of an expression: its amplitude, if it has one, its text, its other numbers."""
+    found = list(enumerate(literals(whole.text, scene.numbers)))[:MOST_LISTED]
+    keys = {at: f"{whole.key}.{at}" for at, _ in found}
+    leading = [at for at, one in found if one.leads]
+    for at in leading:
+        # Its sign is that of the text, another one another expression.
+        size = replace(whole.of, rule=NOT_NEGATIVE)
+        yield SceneField(size, keys[at], whole.label, found[at][1].value)
+    yield replace(whole, label=f"{whole.label}, expression") if leading else whole
+    for at, one in found:
+        if at not in leading:
+            row = number_parameter(str(at), ANY if one.signed else NOT_NEGATIVE)
+            yield SceneField(row, keys[at], f"{whole.label}: {one.around}", one.value)
+
+
+def slider_scale(field: SceneField) -> float:
+    """Size of a value, for its slider; a usual one where it is zero."""
+    return abs(field.value or 0.0) or abs(field.of.initial_value or 0.0) or 1.0
+
+
+@dataclass(frozen=True)
+class StructureForm:
+    """Choices of a user that fix the module of a scene; terms: of TERMS."""
+
+    links: int
+    boundary: str
+    inertia: str
+    terms: tuple[str, ...]
+
+
+def structure_form(scene: Scene) -> StructureForm:
+    """Form of a scene; several loads of a kind are one term."""
+    rod = scene.rod
+    kinds = {TERMS[name].base_name for name in (*scene.loads.terms, *scene.anchors.terms)}
+    terms = tuple(name for name in TERMS if name in kinds)
+    return StructureForm(rod.links, rod.boundary, rod.inertia, terms)
+
+
+# Values of the rod at the start, in words.
+RIGID = {
+    "initial.phi": "phi: a number, or an expression in s",
+    "initial.omega": "omega: a number, or an expression in s",
+    "initial.position": "position x, y of joint 0 [m]",
+    "initial.velocity": "velocity x, y of joint 0 [m/s]",
+}
+
+
+def initial_labels(scene: Scene) -> dict[str, str]:
+    """Labels of all initial values that a scene may give, by their keys."""
+    key, label = STATE_AT_START.key, STATE_AT_START.label
+    return RIGID | {f"states.{name}.{key}": f"{name} {label}" for name in scene.states}
+
+
+def reshape(scene: Scene, form: StructureForm, starts: Mapping[str, Any]) -> Scene:
+    """Convert a scene to another form, with other initial values (None: left out). Raises
+    InputError.
+
+    Left out are values that the form has no place for: the clamp's angle, the position of a rod
+    that is held, lists of as many values as the links were. Stiffness and mass of every joint or
+    link are interpolated between the former ones.
+    """
+    table = scene.to_dict()
+    rod = table["rod"]
+    for key, count in (("bending_stiffness", form.links + 1), ("mass_per_length", form.links)):
+        if isinstance(rod.get(key), list) and form.links > 0:
+            rod[key] = _resample(rod[key], count)
+    rod |= {"links": form.links, "boundary": form.boundary, "inertia": form.inertia}
+    other = (form.links, form.boundary) != (scene.rod.links, scene.rod.boundary)
+    boundary_condition = BOUNDARIES.get(form.boundary)
+    if boundary_condition is not None and not boundary_condition.is_clamped:
+        rod.pop(CLAMP_ANGLE.key, None)
+    for term in TERMS.values():
+        _switch_term(
+            table["loads"] if term.is_load else table, term, term.name in form.terms, other
+        )
+    set_values(table, starts, Scene)
+    initial = table["initial"]
+    for key in SHAPES if other else ():
+        if isinstance(initial.get(key), list):
+            initial.pop(key)
+    if boundary_condition is not None and not boundary_condition.translates:
+        for key in ("position", "velocity"):
+            initial.pop(key, None)
+    table["events"] = [] if other else table.get("events", [])
+    return Scene.from_dict(table)
+
+
+def _resample(values: list[float], count: int) -> list[float]:
+    """Interpolate evenly spaced values linearly to another number of them."""
+    wanted, known = (np.linspace(0.0, 1.0, size) for size in (count, len(values)))
+    return [float(one) for one in np.interp(wanted, known, values)]
+
+
+def _switch_term(tables: dict[str, Any], term: Term, on: bool, other: bool) -> None:
+    """Add a term, or remove it; other: without lists of its numbers, as the joints are others."""
+    if not on:
+        tables.pop(term.table, None)
+        return
+    if not tables.get(term.table):
+        tables[term.table] = [term.initial_table] if term.array else term.initial_table
+    given = tables[term.table]
+    for one in () if isinstance(given, list) else term.parameters:
+        if other and one.is_array and isinstance(given.get(one.key), list):
+            given.pop(one.key)
+
+
+def scene_from_bytes(text: bytes) -> Scene:
+    """Read a scene from the bytes of a file. Raises InputError."""
+    if len(text) > LARGEST:
+        raise InputError("scene", f"{len(text)} bytes", f"at most {LARGEST} bytes")
+    return Scene.from_dict(parse_toml(text, "this file"))
+
+
+class SceneFolder:
+    """Scenes of a folder; nothing outside of it, and nothing but its own files, is opened."""
+
+    def __init__(self, path: Path):
+        self._path = path.resolve()
+
+    def names(self) -> list[str]:
+        """File names of the scenes, without the ending."""
+        try:
+            found = sorted(p.stem for p in self._path.glob("*.toml") if self._inside(p))
+        except OSError:
+            return []
+        return found[:MOST_SCENES]
+
+    def scene(self, name: str) -> Scene:
+        """Read one of the scenes. Raises InputError."""
+        if name not in self.names():
+            raise InputError("scene", name, f"one of the folder: {', '.join(self.names())}")
+        return Scene.from_toml(self._path / f"{name}.toml")
+
+    def _inside(self, path: Path) -> bool:
+        """Whether a file is in the folder itself, not a link that leads out of it."""
+        return path.is_file() and path.resolve().parent == self._path

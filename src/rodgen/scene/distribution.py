@@ -1,0 +1,224 @@
+"""Stiffness and mass along a rod, lumped into its joints and links.
+
+A joint stands for the rod half a link to either side of it: its spring turns as much as the rod
+bends there, 1/k = integral of ds/EI, by five Gauss points over each half. A link has the mass that
+lies on it, by five Gauss points, and the bodies that are fixed to it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from rodgen.arrays import Array
+from rodgen.model.rod import NONUNIFORM, STEADY
+from rodgen.scene.expression import Expression, Numbers
+from rodgen.scene.law import Along, Law, cell_means, gauss_points
+from rodgen.scene.link_parts import LinkPart, combine
+from rodgen.scene.number_names import mass_name
+from rodgen.scene.rod_points import link_and_share
+from rodgen.scene.tables import SMALLEST, BodyTable, RodTable
+
+STIFFNESS, PER_LENGTH = "rod.bending_stiffness", "rod.mass_per_length"
+
+
+@dataclass(frozen=True)
+class Distribution:
+    """Stiffness and mass along a rod with its bodies. numbers: values of the names in expressions;
+    t: the time at which masses are taken [s]."""
+
+    rod: RodTable
+    bodies: Sequence[BodyTable] = ()
+    numbers: Numbers = ()
+    t: float = 0.0
+
+    def check(self, span: Sequence[float]) -> None:
+        """Raise InputError for a stiffness or mass that is impossible at some time of the span."""
+        links, per_length = self.rod.links, self._mass_per_length
+        self._stiffness.check(links, links + 1)
+        if per_length is not None:
+            per_length.check(links, links, SMALLEST, span)
+        for law in self._body_laws:
+            law.check(links, 1, SMALLEST, span)
+
+    @property
+    def changing_masses(self) -> list[tuple[str, int, Expression]]:
+        """Masses that are functions of time, each with a name and a link: those of bodies, and ""
+        and -1 for the links."""
+        laws = [("", -1, self._mass_per_length)]
+        laws += [
+            (body.name, link_and_share(body.at, self.rod.links)[0], law)
+            for body, law in zip(self.bodies, self._body_laws, strict=True)
+        ]
+        return [
+            (name, link, law.expression)
+            for name, link, law in laws
+            if law and law.is_time_dependent
+        ]
+
+    @property
+    def _body_laws(self) -> list[Law]:
+        fields = (f"bodies[{at}].mass" for at in range(len(self.bodies)))
+        pairs = zip(self.bodies, fields, strict=True)
+        return [Law(body.mass, field, self.numbers, "t") for body, field in pairs]
+
+    @property
+    def body_masses(self) -> list[float]:
+        """Mass of every body [kg]."""
+        return [float(law.at(np.zeros(1), self.t)[0]) for law in self._body_laws]
+
+    @property
+    def _stiffness(self) -> Law:
+        return Law(self.rod.bending_stiffness, STIFFNESS, self.numbers)
+
+    @property
+    def _mass_per_length(self) -> Law | None:
+        value = self.rod.mass_per_length
+        return None if value is None else Law(value, PER_LENGTH, self.numbers, "st")
+
+    @property
+    def stiffness(self) -> float | None:
+        """Bending stiffness EI [N m^2]; None where it varies along the rod."""
+        return self._stiffness.uniform_value
+
+    @property
+    def nonuniform(self) -> tuple[str, ...]:
+        """Kinds of quantities that vary along the rod, keys of model.rod.NONUNIFORM; that of bodies
+        includes the mass of links."""
+        differs = self.nonuniform_values
+        found = ["stiffness"] if "bending_stiffness" in differs else []
+        if self.bodies:
+            found.append("points" if self.rod.inertia == "lumped" else "bodies")
+        elif "mass_per_length" in differs:
+            found.append("mass")
+        return tuple(found)
+
+    @property
+    def nonuniform_values(self) -> dict[str, Along]:
+        """Values in [rod] that vary along the rod, by key."""
+        laws = {"bending_stiffness": self._stiffness, "mass_per_length": self._mass_per_length}
+        return {key: law.value for key, law in laws.items() if law and law.uniform_value is None}
+
+    @cached_property
+    def link_masses(self) -> Array:
+        """Mass of every link without bodies [kg], (links,)."""
+        rod, per_length = self.rod, self._mass_per_length
+        if per_length is None:
+            assert rod.mass is not None
+            return np.full(rod.links, rod.mass / rod.links)
+        l = rod.length / rod.links
+        if isinstance(per_length.value, list):
+            return l * np.array(per_length.value, dtype=float)
+        return l * cell_means(per_length.at(gauss_points(rod.links), self.t))
+
+    @property
+    def total_link_mass(self) -> float:
+        """Mass of all links without bodies [kg]."""
+        return float(self.link_masses.sum()) if self.rod.mass is None else self.rod.mass
+
+    @property
+    def mass(self) -> float:
+        """Mass of the links and of all bodies [kg]."""
+        return self.total_link_mass + sum(self.body_masses)
+
+    @property
+    def joint_stiffness(self) -> list[float]:
+        """Stiffness of the spring in every joint that has one [N m/rad], from EI; in the root and
+        the tail half a link bends."""
+        rod, law = self.rod, self._stiffness
+        joints, l = rod.boundary_condition.spring_joints(rod.links), rod.length / rod.links
+        if isinstance(law.value, list):
+            size = {0: rod.boundary_condition.root, rod.links: rod.boundary_condition.tail}
+            return [size.get(at, 1) * law.value[at] / l for at in joints]
+        with np.errstate(divide="ignore", over="ignore"):
+            halves = l / 2 * cell_means(1 / law.at(gauss_points(2 * rod.links)))
+            bend = np.concatenate(([0.0], halves[1::2])) + np.concatenate((halves[::2], [0.0]))
+            return [float(1 / bend[at]) for at in joints]
+
+    @property
+    def mean_stiffness(self) -> float:
+        """EI [N m^2]; where it varies along the rod, its mean over the inner joints, or that of the
+        root of a single link."""
+        rod, even = self.rod, self.stiffness
+        if even is not None:
+            return even
+        joints = zip(
+            rod.boundary_condition.spring_joints(rod.links), self.joint_stiffness, strict=True
+        )
+        inner = [k for at, k in joints if 0 < at < rod.links]
+        inner = inner or [k / 2 for k in self.joint_stiffness]  # the root has half a cell
+        return rod.length / rod.links * sum(inner) / max(len(inner), 1)
+
+    def link_parameters(self, steady: bool = False) -> dict[str, list[float]]:
+        """Mass, centre and spread of every link with its bodies, by parameter; steady: only of
+        masses that do not change with time."""
+        rod = self.rod
+        left_out = {name for name, *_ in self.changing_masses} if steady else set()
+        spread = 1 / 4 if rod.inertia == "lumped" else 1 / 12
+        parts = [
+            [] if "" in left_out else [LinkPart(m, 0.5, 0.0, spread)] for m in self.link_masses
+        ]
+        for body, (link, part) in zip(self.bodies, self._body_parts, strict=True):
+            if body.name not in left_out:
+                parts[link].append(part)
+        rows = (STEADY[one.name] if steady else one for one in NONUNIFORM["bodies"].parameters)
+        columns = zip(*map(combine, parts), strict=True)
+        return dict(zip((one.name for one in rows), map(list, columns), strict=True))
+
+    @property
+    def changing_mass_parameters(self) -> dict[str, float]:
+        """Module parameters of masses that are functions of time: the numbers in their expressions,
+        and the places of bodies."""
+        values: dict[str, float] = {}
+        names = {name: e for name, _, e in self.changing_masses}
+        for name, e in names.items():
+            values |= e.with_parameters(mass_name(name))[1]
+        for body, (_, part) in zip(self.bodies, self._body_parts, strict=True):
+            if body.name in names:
+                spread = part.mass * part.spread_along
+                found = {"along": part.along, "across": part.across, "spread": spread}
+                values |= {f"body_{body.name}_{what}": value for what, value in found.items()}
+        return values
+
+    @property
+    def _body_parts(self) -> list[tuple[int, LinkPart]]:
+        """Link of every body and what it adds there; its inertia is alike in all directions."""
+        found, l = [], self.rod.length / self.rod.links
+        for body, mass in zip(self.bodies, self.body_masses, strict=True):
+            link, share = link_and_share(body.at, self.rod.links)
+            # A live run may come to where a tank is empty.
+            spread = body.inertia / (2 * mass * l**2) if mass else 0.0
+            along, across = share + body.offset[0] / l, body.offset[1] / l
+            found.append((link, LinkPart(mass, along, across, spread, spread)))
+        return found
+
+    @property
+    def body_outlines(self) -> list[BodyOutline]:
+        """Bodies, for drawing."""
+        mass = self.mass if self.bodies else 1.0
+        return [
+            BodyOutline(body.name, link, part.along, part.across, (part.mass / mass) ** 0.5)
+            for body, (link, part) in zip(self.bodies, self._body_parts, strict=True)
+        ]
+
+
+@dataclass(frozen=True)
+class BodyOutline:
+    """A body, for drawing: its name, its link, its centre along and across the link over the link's
+    length, and its size, the root of its share in the total mass."""
+
+    name: str
+    link: int
+    along: float
+    across: float
+    size: float
+
+    def positions(self, joints: Array) -> Array:
+        """Positions of its centre (..., 2), for joints at (..., links + 1, 2)."""
+        start, end = joints[..., self.link, :], joints[..., self.link + 1, :]
+        x, y = np.moveaxis(end - start, -1, 0)
+        found: Array = start + self.along * (end - start) + self.across * np.stack((-y, x), -1)
+        return found

@@ -1,0 +1,221 @@
+"""Functions of time, of the motion and of the bend of joints in a scene: their break points,
+switches, pulses, half-periods and poles."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, replace
+from functools import cached_property, lru_cache
+from typing import Any, Self
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rodgen.errors import InputError, shorten
+from rodgen.scene.expression import Difference, Expression
+from rodgen.scene.law import gauss_points
+from rodgen.scene.spring_law import STIFFNESS
+from rodgen.scene.spring_law import parse_spring_law as spring_law
+from rodgen.scene.structure import Structure
+from rodgen.scene.zeros import crossing_times
+
+PLACES = (0.05, 0.5, 0.95)  # s at which a load along the rod is looked at
+# rad: so close to a corner of its law a spring is on it. What a step makes of the wrong side of the
+# corner is of the order of the square.
+ON_A_CORNER = 1e-7
+FEW = 5_000  # numbers that are computed with at once
+MOST_FRONTS = 20_000  # break points of what moves along the rod, beyond which they are left out
+BENDS = "bend"
+Values = Mapping[str, Any]
+
+
+@dataclass(frozen=True)
+class Switch:
+    """Switching function: numbers that pass zero where a law of the motion is not smooth.
+
+    law: of times (...) and of the values of sensors, states and the bends of the joints with a
+    spring, `bend`, by name: (..., count); cause: the field that may jump there, and where; empty if
+    none does.
+    """
+
+    law: Callable[[NDArray[np.float64], Values], Any]
+    count: int = 1
+    cause: str = ""
+
+
+def _signal_switch(difference: Difference, cause: str) -> Switch:
+    """Switch of an expression that follows sensors and states."""
+    return Switch(lambda t, values: np.asarray(difference(t, values))[..., None], cause=cause)
+
+
+def _spring_switch(difference: Difference, stiffness: tuple[float, ...]) -> Switch:
+    """Switch of the springs of all joints, zero where one is next to a corner of its law: lest the
+    rounding of a rod that is at rest there be taken for a motion across it."""
+    k = {STIFFNESS: np.array(stiffness)}
+    off = np.array([0.0, -ON_A_CORNER, ON_A_CORNER])
+
+    def law(t: NDArray[np.float64], values: Values) -> Any:
+        d = values[BENDS]
+        if d.size <= FEW:  # calls cost more than what they compute
+            here, below, above = difference(d + off.reshape(-1, *(1,) * d.ndim), k)
+        else:
+            here, below, above = (difference(d + by, k) for by in off)
+        return np.where(np.sign(below) * np.sign(above) > 0, here, 0.0)
+
+    return Switch(law, len(stiffness))
+
+
+@dataclass(frozen=True)
+class TimeLaws:
+    """The expressions of a scene from start to end [s].
+
+    all: of loads, rates of states and masses; timed: loads of time alone; along: loads that may
+    differ from link to link; fed: loads and rates that follow the motion; spread: loads and masses
+    along the rod, of s and t, which links sum up at quadrature points; links: their number; spring:
+    the law of the springs, and their stiffness; masses: of links and bodies.
+    """
+
+    start: float
+    end: float
+    all: tuple[Expression, ...]
+    timed: tuple[Expression, ...]
+    along: tuple[Expression, ...]
+    fed: tuple[Expression, ...]
+    spread: tuple[Expression, ...] = ()
+    links: int = 0
+    spring: tuple[Expression, tuple[float, ...]] | None = None
+    masses: tuple[Expression, ...] = ()
+
+    @classmethod
+    def from_structure(
+        cls,
+        structure: Structure,
+        numbers: Mapping[str, float],
+        start: float,
+        end: float,
+        stiffness: tuple[float, ...] = (),
+    ) -> Self:
+        """Expressions of a structure, with values of their numbers by name; stiffness: of the
+        springs, where their law is not smooth."""
+
+        def with_numbers(of: Mapping[str, Expression]) -> tuple[Expression, ...]:
+            return tuple(e.with_values(numbers) for e in of.values())
+
+        loads = with_numbers(structure.open_expressions)
+        rates = tuple(
+            replace(e, field=f"states.{name}.rate").with_values(numbers)
+            for name, e in structure.open_rates.items()
+        )
+        along, masses = with_numbers(structure.open_along), with_numbers(structure.open_masses)
+        fed = (*(e for e in loads if e.signals), *rates)
+        timed = tuple(e for e in loads if not e.signals)
+        every, spread = (*loads, *along, *rates, *masses), (*along, *masses)
+        spring = None
+        if stiffness:
+            names = (name for name in structure.spring_law.names if name != STIFFNESS)
+            law = spring_law(structure.spring, tuple((name, numbers[name]) for name in names))
+            spring = law, stiffness
+        return cls(start, end, every, timed, along, fed, spread, structure.links, spring, masses)
+
+    @cached_property
+    def loads(self) -> list[Expression]:
+        """Loads that change with time, as functions of it; those along the rod at some places."""
+        found = (
+            replace(e, states=None, numbers=(*e.numbers, ("s", s)))
+            for e in self.along
+            for s in PLACES
+        )
+        return [*self.timed, *found]
+
+    def breaks(self) -> list[float]:
+        """Break points: times inside the span at which a load, the rate of a state or a mass is not
+        smooth in t, ascending; of what acts along the rod, at the quadrature points of links.
+
+        Raises InputError for a mass with too many jumps to step onto: the energy of what leaves is
+        accounted for at each.
+        """
+        self.check_masses()
+        found: list[float] = []
+        every = [at for e in self.all for at in e.breaks(self.start, self.end)]
+        for at in sorted([*every, *self._front_times]):
+            # What two expressions compare may meet zero a rounding apart.
+            if not found or at - found[-1] > 4 * np.spacing(abs(at)):
+                found.append(at)
+        return found
+
+    def check_masses(self) -> None:
+        """Raise InputError for a mass with too many jumps to be found."""
+        crowded = self.crowded_expressions()
+        for e in self.masses:
+            if e in crowded or not e.has_resolvable_kinks(self.start, self.end):
+                allowed = (
+                    f"a mass whose jumps can be found, at most {MOST_FRONTS} in the span and at "
+                    "all points of the links: what leaves at each takes energy along; give a "
+                    "shorter span, fewer links, or a smooth expression"
+                )
+                raise InputError(e.field, e.text, allowed)
+
+    @cached_property
+    def _front_times(self) -> tuple[float, ...]:
+        """Times at which a break point that moves along the rod passes a quadrature point; none
+        where they are too many."""
+        found = (_passing_times(e, self.links, self.start, self.end) for e in self.spread)
+        times = [at for some in found for at in some or ()]
+        return tuple(times) if len(times) <= MOST_FRONTS else ()
+
+    def crowded_expressions(self) -> list[Expression]:
+        """Expressions whose break points along the rod are too many to step onto."""
+        return [
+            e
+            for e in self.spread
+            if (passing := _passing_times(e, self.links, self.start, self.end)) is None
+            or (passing and not self._front_times)
+        ]
+
+    def switches(self) -> tuple[Switch, ...]:
+        """Switching functions of loads, rates of states and springs that are not smooth in the
+        motion."""
+        found, causes = dict[str, Difference](), dict[str, str]()
+        for law in self.fed:
+            found |= law.switches()
+            causes |= {
+                at: f"{law.field} = {shorten(law.text)} where {at} passes zero"
+                for at in law.jumps()
+            }
+        switches = [_signal_switch(one, causes.get(at, "")) for at, one in found.items()]
+        if self.spring is not None:
+            law, stiffness = self.spring
+            switches += (_spring_switch(one, stiffness) for one in law.corners().values())
+        return tuple(switches)
+
+    def pulses(self) -> list[tuple[float, float, float]]:
+        """Begin, peak and end of loads' pulses that are shorter than the rest before, ascending."""
+        return sorted(pulse for e in self.loads for pulse in e.pulses(self.start, self.end))
+
+    def half_period(self) -> float:
+        """Half-period [s] of the load that oscillates fastest; infinity where none oscillates."""
+        return min((e.half_period(self.start, self.end) for e in self.loads), default=math.inf)
+
+    def first_pole(self) -> tuple[float, Expression] | None:
+        """First time in the span at which a load has a pole, and that load; None without."""
+        found = [(at, e) for e in self.loads for at in e.poles(self.start, self.end)]
+        return min(found, key=lambda pair: pair[0], default=None)
+
+
+@lru_cache(maxsize=64)
+def _passing_times(e: Expression, links: int, start: float, end: float) -> tuple[float, ...] | None:
+    """Times at which an expression of s and t is not smooth at a quadrature point of a link; None
+    where they are too many to be found."""
+    places = gauss_points(links).ravel()
+    found: set[float] = set()
+    for difference in e.switches().values():
+
+        def difference_at(t: Any, s: Any, difference: Difference = difference) -> Any:
+            return difference(t, {"s": s})
+
+        times = crossing_times(difference_at, places, start, end)
+        if times is None:
+            return None
+        found.update(times)
+    return tuple(sorted(at for at in found if start < at < end))

@@ -1,0 +1,169 @@
+"""Pictures of a run, made for print."""
+
+from __future__ import annotations
+
+import tempfile
+from collections.abc import Callable, Iterable
+from itertools import cycle
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.ticker import MaxNLocator
+
+from rodgen.integrate import Solution
+from rodgen.model.terms import describe
+from rodgen.show.canvas import (
+    CENTRE,
+    FAINT,
+    INK,
+    LINE,
+    PAPER,
+    SERIES,
+    TAIL,
+    make_figure,
+    set_limits,
+)
+from rodgen.show.phase_picture import phase_plot
+from rodgen.show.shape_picture import shapes
+from rodgen.show.time_pictures import (
+    NAMED,
+    force_intervals,
+    has_bending,
+    mark_times,
+    moment_map,
+    tail_history,
+)
+
+LONG = 10.0  # sides of its picture, beyond which a path goes to and fro: thin, without rings
+RINGS = 10  # steps between them, at most
+DOTS_PER_INCH = 200
+DASHES = (0, (4, 2)), (0, (4, 2, 1, 2)), (0, (1, 1))  # of works
+# Of a word over a curve.
+BEHIND = {"boxstyle": "square,pad=0.1", "facecolor": PAPER, "edgecolor": "none", "alpha": 0.8}
+LARGEST = 1e12  # of any state: beyond, nothing of the picture can be read
+
+
+def save_pictures(solution: Solution, folder: Path) -> list[Path]:
+    """Write every picture of a run as PNG into a folder that exists; returns the files.
+
+    Of a run that blew up, only the time before is drawn; moments only where there are any.
+    """
+    shown = drawable_part(solution)
+    if not len(shown.t):
+        return []
+    there = {k: draw for k, draw in PICTURES.items() if k != "moment" or has_bending(shown)}
+    for name in PICTURES.keys() - there:  # of an earlier run
+        (folder / f"{name}.png").unlink(missing_ok=True)
+    return save_figures(((name, draw(shown)) for name, draw in there.items()), folder)
+
+
+def drawable_part(solution: Solution) -> Solution:
+    """Return the run before it blew up, without samples where it did so at once."""
+    beyond = np.flatnonzero(np.abs(solution.y).max(axis=1) > LARGEST)
+    return solution.head(int(beyond[0])) if len(beyond) else solution
+
+
+def save_figures(figures: Iterable[tuple[str, Figure]], folder: Path) -> list[Path]:
+    """Write figures by name as PNG into a folder that exists: all of them, whole, or none."""
+    with tempfile.TemporaryDirectory(dir=folder, prefix=".pictures") as making:
+        made = []
+        for name, figure in figures:
+            made.append(Path(making) / f"{name}.png")
+            figure.savefig(made[-1], dpi=DOTS_PER_INCH, bbox_inches="tight")
+        return [picture.replace(folder / picture.name) for picture in made]
+
+
+def trajectories(solution: Solution) -> Figure:
+    """Paths of the centre of gravity and of the tail, with rings at equal intervals of time where a
+    path does not go to and fro."""
+    figure = make_figure(6.0, 5.0)
+    axes = figure.add_subplot()
+    axes.grid(alpha=0.3)
+    t = solution.t
+    ticks = MaxNLocator(RINGS, steps=[1, 2, 5, 10]).tick_values(t[0], t[-1])
+    times = ticks[(ticks > t[0]) & (ticks < t[-1])]
+    paths = {"tail": solution.tip, "centre of gravity": solution.centre_of_gravity}
+    ringed = False
+    for (name, path), colour in zip(paths.items(), (TAIL, CENTRE), strict=True):
+        steps = np.linalg.norm(np.diff(path, axis=0), axis=1).sum()
+        long = steps > LONG * np.ptp(path, axis=0).max()
+        width = LINE / 2 if long else LINE
+        axes.plot(*path.T, "-", color=colour, label=name, linewidth=width)
+        axes.plot(*path[0], "o", color=colour, markersize=5, zorder=3)
+        axes.plot(*path[-1], "s", color=colour, markersize=5, zorder=3)
+        if not long and len(times):
+            rings = [np.interp(times, t, part) for part in path.T]
+            axes.plot(*rings, "o", color=colour, markerfacecolor=PAPER, markersize=3.5)
+            ringed = True
+    _annotate_path(axes, solution)
+    every = f"; rings: every {ticks[1] - ticks[0]:.3g} s" if ringed else ""
+    marks = f"dot: start; square: end, after {t[-1] - t[0]:.4g} s{every}"
+    axes.set(xlabel=f"x [m]\n{marks}", ylabel="y [m]")
+    axes.set_title(f"{solution.scene.name}: trajectories")
+    set_limits(axes, np.concatenate(list(paths.values())))
+    figure.legend(loc="outside lower center", ncols=2)
+    return figure
+
+
+def _annotate_path(axes: Axes, solution: Solution) -> None:
+    """Mark on the path of the centre of gravity where forces begin and end to act, and events."""
+    ends = (solution.t[0], solution.t[-1])
+    said = [(event.t, event.name) for event in solution.events]
+    for term, start, end in force_intervals(solution):
+        said += [(t, f"{term.label} {what}") for t, what in ((start, "begins"), (end, "ends"))]
+    path = solution.centre_of_gravity
+    for t, words in said[:NAMED]:
+        if ends[0] < t < ends[1]:
+            x, y = (float(np.interp(t, solution.t, part)) for part in path.T)
+            axes.plot(x, y, "D", color=FAINT, markersize=4)
+            style: dict[str, Any] = {"fontsize": "x-small", "color": FAINT, "bbox": BEHIND}
+            axes.annotate(words, (x, y), (7, -3), textcoords="offset points", **style)
+
+
+def energies(solution: Solution) -> Figure:
+    """Energies and work over time; that of gravity from the start on, as a height far from zero
+    swamps all else. Below, the error of the energy balance."""
+    figure = make_figure(6.0, 6.0)
+    axes, below = figure.subplots(2, 1, sharex=True, height_ratios=(2, 1))
+    t, energy = solution.t, solution.energy
+    gravity = energy.gravity - energy.gravity[0]
+    from_start = bool(energy.gravity.any())
+    total = "total with gravity from the start" if from_start else "total"
+    rows = [
+        ("kinetic", energy.kinetic, True),
+        ("springs", energy.spring, energy.spring.any()),
+        ("gravity from the start", gravity, from_start),
+        (total, energy.kinetic + energy.spring + gravity, True),
+    ]
+    there = [(label, values) for label, values, is_there in rows if is_there]
+    # In the order, and so in the colours, of the live view.
+    colours = cycle(SERIES)
+    for label, values in there:
+        axes.plot(t, values, color=next(colours), label=label, linewidth=LINE)
+    done = [(name, work) for name, work in solution.work.items() if work.any()]
+    for (name, work), dashes in zip(done, cycle(DASHES), strict=False):
+        style = {"linestyle": dashes, "color": next(colours), "linewidth": LINE}
+        axes.plot(t, work, label=f"work of {describe(name)}", **style)
+    mark_times(axes, solution)
+    axes.set(ylabel="energy [J]", title=f"{solution.scene.name}: energies and work")
+    axes.grid(alpha=0.3)
+    figure.legend(fontsize="small", loc="outside lower center", ncols=3)
+    error = np.abs(solution.energy_balance)
+    if np.any(error > 0):
+        below.semilogy(t, np.where(error > 0, error, np.nan), color=INK, linewidth=0.8)
+    below.set(xlabel="t [s]", ylabel="|balance error| [J]")
+    below.grid(alpha=0.3)
+    return figure
+
+
+PICTURES: dict[str, Callable[[Solution], Figure]] = {
+    "shape": shapes,
+    "trajectory": trajectories,
+    "energy": energies,
+    "phase": phase_plot,
+    "tail": tail_history,
+    "moment": moment_map,
+}

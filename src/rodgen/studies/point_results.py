@@ -1,0 +1,41 @@
+"""Computation of points of a study: no Dask, no files, and no exception where a point fails."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rodgen.studies import point_analyses, point_runs
+from rodgen.studies.kept_quantities import RUN, variables
+from rodgen.studies.point_arrays import PointArrays
+
+if TYPE_CHECKING:
+    from rodgen.studies.study import Study
+
+
+@dataclass(frozen=True)
+class PointResults:
+    """Kept quantities of some points: arrays by the names of variables, first axis the points."""
+
+    arrays: dict[str, NDArray[Any]]
+
+
+def evaluate(
+    study: Study, points: Sequence[Mapping[str, Any]], indices: Sequence[int] = ()
+) -> PointResults:
+    """Compute what a study keeps of some of its points.
+
+    points: values by varied names; indices: their numbers in the study, which nothing depends on. A
+    point that cannot be built or computed has status "failed", its reason as message, and fill
+    values. But for `seconds`, the results of a point do not depend on the others, their number or
+    order, to the bit. Raises InputError for a quantity that cannot be kept.
+    """
+    made = PointArrays(variables(study), len(points))
+    given = [dict(point) for point in points]
+    with np.errstate(all="ignore"):
+        (point_runs if study.what == RUN else point_analyses).compute(study, given, made)
+    return PointResults(made.arrays)

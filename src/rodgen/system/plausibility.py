@@ -1,0 +1,51 @@
+"""Numbers of a rod that its author may not have meant: angles that look like degrees."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterator
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rodgen.arrays import Array
+from rodgen.errors import shorten
+from rodgen.result import Note, doubt
+from rodgen.scene.structure import Structure
+
+TURN = 2 * math.pi
+
+
+def angle_doubts(structure: Structure, p: Array, field: Callable[[str], str]) -> Iterator[Note]:
+    """Yield doubts about angles of loads and of the clamp of more than a turn; field: dotted name
+    in the scene of a parameter."""
+    angles = structure.angle_indices
+    sizes = np.abs(p[[*angles.values()]]) / TURN
+    if sizes.max(initial=0.0) <= 1:
+        return
+    for (name, place), turns in zip(angles.items(), sizes.tolist(), strict=True):
+        if turns > 1:
+            given = f"{field(name)} = {p[place]:g}"
+            yield doubt(f"{given} is {turns:.3g} turns: angles are in radians", turns=turns)
+
+
+def initial_angle_doubts(
+    structure: Structure, y0: Array, given: Callable[[], Any]
+) -> Iterator[Note]:
+    """Yield the doubt about an initial angle of more than a turn; given: returns the angles of the
+    scene."""
+    turns = float(np.abs(y0[structure.angle_slice]).max(initial=0.0)) / TURN
+    if turns > 1:
+        words = (
+            f"initial.phi = {shorten(given())} turns a link by {turns:.3g} turns: angles are in "
+        )
+        yield doubt(f"{words}radians", turns=turns)
+
+
+def count_doubts(structure: Structure, p: Array, y0: Array) -> NDArray[np.intp]:
+    """Number of these doubts about each of many rods, (rods,), with parameters p (rods, width) and
+    states y0 (rods, states) at the start."""
+    angles = np.abs(p[:, [*structure.angle_indices.values()]]) > TURN
+    starts = np.abs(y0[:, structure.angle_slice]).max(axis=1, initial=0.0) > TURN
+    return np.asarray(angles.sum(axis=1) + starts)
