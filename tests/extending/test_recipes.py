@@ -136,6 +136,36 @@ assert [e.name for e in sol.events] == ["bent"]
 assert abs(np.cos(np.diff(sol.y[-1, :2])[0] / 2) - 0.995) < 1e-9  # rounding of a crossing's time
 """,
     ),
+    "An analysis": (
+        [
+            "src/rodgen/analyse/half_lives.py",
+            "src/rodgen/show/half_life_picture.py",
+            "src/rodgen/cli/half_life_command.py",
+        ],
+        """
+import json, subprocess, sys, warnings
+from rodgen.analyse.half_lives import half_lives
+# One link on a root spring, Kelvin-Voigt: J phi'' + tau k phi' + k phi = 0, so amplitudes fall as
+# exp(-tau k t / (2 J)), with J = M L^2 / 3 and k = 2 EI / L.
+damped = scene("clamped", 1, {"material_damping": {"time": 0.01}})
+found = half_lives(damped, 1)
+due = 2 * (2.0 / 3) * np.log(2) / (0.01 * 2 * 3.0)
+assert abs(found.times[0] / due - 1) < 1e-9 and not found.doubts
+assert "half-life [s]" in str(found)
+assert found.plot().get_ylabel() == "half-life [s]"
+with warnings.catch_warnings(record=True) as told:
+    warnings.simplefilter("always")
+    undamped = half_lives(scene("clamped", 1), 1)
+assert [str(one.message) for one in told] == [undamped.doubts[0].text]
+open("toy.toml", "w").write(damped.to_toml())
+command = [sys.executable, "-m", "rodgen", "half-life", "toy.toml", "--count", "1"]
+said = subprocess.run([*command, "--json"], capture_output=True, check=True, text=True).stdout
+assert json.loads(said) == found.to_dict()
+subprocess.run(command, capture_output=True, check=True)
+from pathlib import Path
+assert Path("results/toy/half_lives.png").stat().st_size > 0
+""",
+    ),
     "A target": (
         ["src/rodgen/emit/lists/__init__.py", "templates/lists/module.jinja"],
         """

@@ -24,9 +24,9 @@ pytestmark = [pytest.mark.compiler, pytest.mark.nightly]
 CLIENT = """
 import sys
 from pathlib import Path
-from rodgen.studies.engine import run
+from rodgen.studies.engine import run_study
 from tests.studies.test_kills import slow, study_of
-run(study_of(slow), Path(sys.argv[1]), workers=1, resume=True)
+run_study(study_of(slow), Path(sys.argv[1]), workers=1, resume=True)
 """
 
 

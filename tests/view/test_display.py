@@ -26,7 +26,7 @@ from rodgen.dataset_result import register_notebook_display
 from rodgen.display import Plottable, Tabular
 from rodgen.errors import InputError
 from rodgen.show.animation import film_files
-from rodgen.show.appearance import PICTURES_OF
+from rodgen.show.appearance import _all_pictures, pictures_of
 from tests.view.results import MAKERS, SCENE, made
 
 # A number that the table of each has to have.
@@ -60,7 +60,7 @@ def closed() -> Iterator[None]:
 
 
 def test_every_class_that_shows_itself_is_here() -> None:
-    assert {kind.__name__ for kind in PICTURES_OF} == set(DRAWN)
+    assert {kind.__name__ for kind in _all_pictures()} == set(DRAWN)
     assert set(SHOWN) == set(MAKERS)
     public = {name: getattr(rodgen, name) for name in rodgen.__all__}
     kinds = {name: one for name, one in public.items() if isinstance(one, type)}
@@ -106,7 +106,7 @@ def test_plots_are_those_of_pyplot_and_return_axes(name: str) -> None:
     assert axes.has_data()
     figure = pyplot.figure(figsize=(8, 4), layout="constrained")
     left, right = figure.subfigures(1, 2)
-    for picture, part in zip(PICTURES_OF[type(one)], (left, right), strict=False):
+    for picture, part in zip(pictures_of(type(one)), (left, right), strict=False):
         assert one.plot(picture, figure=part).figure is part
     assert tuple(figure.get_size_inches()) == (8, 4)
     with pytest.raises(InputError, match=r"^picture = 'none'"):

@@ -8,57 +8,38 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable
+from importlib import import_module
 from importlib.metadata import EntryPoint, entry_points
+from pathlib import Path
+from pkgutil import iter_modules
 
 import typer
 
-from rodgen.cli import (
-    animate_command,
-    boundary_command,
-    branch_command,
-    check_command,
-    critical_command,
-    cycle_branch_command,
-    cycle_command,
-    derive_command,
-    exponents_command,
-    modes_command,
-    nonlinear_mode_command,
-    precision_command,
-    run_command,
-    scenes_command,
-    show_command,
-    static_command,
-    study_command,
-    view_command,
-)
 from rodgen.cli.common_options import add_common_options
 from rodgen.cli.error_reports import BAD_INPUT, fail
 
 GROUP = "rodgen.commands"
 EVIDENCE = ("report", "thesis", "audit")  # what evidence/ adds, where it is installed
-OWN: dict[str, Callable[..., object]] = {
-    "scenes": scenes_command.scenes,
-    "new": scenes_command.new,
-    "derive": derive_command.derive,
-    "run": run_command.run,
-    "view": view_command.view,
-    "animate": animate_command.animate,
-    "check": check_command.check,
-    "show": show_command.show,
-    "modes": modes_command.modes,
-    "static": static_command.static,
-    "critical": critical_command.critical,
-    "branch": branch_command.branch,
-    "boundary": boundary_command.boundary,
-    "exponents": exponents_command.exponents,
-    "cycle": cycle_command.cycle,
-    "cycle-branch": cycle_branch_command.cycle_branch,
-    "nonlinear-mode": nonlinear_mode_command.nonlinear_mode,
-    "precision": precision_command.precision,
-    "study": study_command.study,
-}
+# The order of commands in the list; others follow by name.
+ORDER = (
+    *("scenes", "new", "derive", "run", "view", "animate", "check", "show", "modes", "static"),
+    *("critical", "branch", "boundary", "exponents", "cycle", "cycle-branch", "nonlinear-mode"),
+    *("precision", "study"),
+)
 HOW = "`make report [NAME=thesis|audit]` in a clone of rodgen installs and runs them"
+
+
+def own_commands() -> dict[str, Callable[..., object]]:
+    """Find the commands of rodgen: the public functions of the files *_command.py beside this."""
+    found: dict[str, Callable[..., object]] = {}
+    for file in iter_modules([str(Path(__file__).parent)]):
+        if file.name.endswith("_command"):
+            module = import_module(f"rodgen.cli.{file.name}")
+            for name, one in vars(module).items():
+                if getattr(one, "__module__", "") == module.__name__ and not name.startswith("_"):
+                    found[name.replace("_", "-")] = one
+    place = {name: number for number, name in enumerate(ORDER)}
+    return dict(sorted(found.items(), key=lambda one: (place.get(one[0], len(place)), one[0])))
 
 
 def make_app() -> typer.Typer:
@@ -73,11 +54,12 @@ def make_app() -> typer.Typer:
         rich_markup_mode=None,
         pretty_exceptions_enable=False,
     )
-    for name, command in OWN.items():
+    own = own_commands()
+    for name, command in own.items():
         # A negative number is a value to refuse, not an option.
         _register(app, name, command, ignore_unknown_options=name == "derive")
     for name, entry in sorted(added.items()):
-        if name not in OWN:  # a package cannot take the place of a command
+        if name not in own:  # a package cannot take the place of a command
             _add_from_package(app, entry)
     for name in missing:
         _add_unavailable(app, name, f"{name} is not installed: {HOW}", hidden=True)

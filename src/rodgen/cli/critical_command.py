@@ -8,10 +8,10 @@ from typing import Annotated
 import typer
 
 from rodgen.cli.completion import complete_words
-from rodgen.cli.console import check_finite, print_json, print_result, show_work, write_picture
+from rodgen.cli.console import check_finite, show_work
 from rodgen.cli.error_reports import FAILED_RUN, fail
 from rodgen.cli.options import After, AsJson, AtTime, OutFolder, Speed, parse_bounds
-from rodgen.cli.result_folders import output_folder
+from rodgen.cli.result_folders import delivery
 from rodgen.model.terms import TERMS
 from rodgen.scene import Scene
 
@@ -81,7 +81,7 @@ def critical(
 
     check_finite("--t", t)
     between = parse_bounds(bounds) if bounds is not None else (None, None)
-    with output_folder(None if as_json else out_folder / scene.name) as folder:
+    with delivery(scene, out_folder, as_json) as deliver:
         with show_work("searching") as step:
             found = critical_load(
                 scene,
@@ -98,12 +98,6 @@ def critical(
                     f"simulating: {force:.6g} N {'grows' if grew else 'stays'}"
                 ),
             )
-        if as_json:
-            print_json(found.to_dict())
-        else:
-            print_result(f"{scene.name}: critical {label_of(found.load)}", found)
-            from rodgen.show.appearance import figure_of
-
-            write_picture(lambda: figure_of(found), folder, "critical")
+        deliver(f"critical {label_of(found.load)}", found, {"critical": "curves"})
     if simulate is not None and found.simulated is None:
         fail("simulations find no critical force", FAILED_RUN)

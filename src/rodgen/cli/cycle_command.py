@@ -7,9 +7,9 @@ from typing import Annotated
 
 import typer
 
-from rodgen.cli.console import print_json, print_result, show_work, write_picture
+from rodgen.cli.console import show_work
 from rodgen.cli.options import AsJson, CheckMesh, OutFolder, point_number
-from rodgen.cli.result_folders import output_folder
+from rodgen.cli.result_folders import delivery
 from rodgen.scene import Scene
 
 
@@ -52,7 +52,7 @@ def cycle(
     from rodgen.analyse.cycles.periodic_motion import find_cycle
 
     point_number(start, at, "--from")
-    with output_folder(None if as_json else out_folder / scene.name) as folder:
+    with delivery(scene, out_folder, as_json) as deliver:
         with show_work("looking for a cycle"):
             found = find_cycle(
                 scene,
@@ -63,11 +63,4 @@ def cycle(
                 at=at,
                 check_mesh=check_mesh,
             )
-        if as_json:
-            print_json(found.to_dict())
-            return
-        print_result(f"{scene.name}: cycle", found)
-        from rodgen.show.cycle_pictures import film_strip, unit_circle
-
-        write_picture(lambda: film_strip(found), folder, "cycle")
-        write_picture(lambda: unit_circle(found), folder, "multipliers")
+        deliver("cycle", found, {"cycle": "film", "multipliers": "multipliers"})

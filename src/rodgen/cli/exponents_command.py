@@ -7,9 +7,9 @@ from typing import Annotated
 
 import typer
 
-from rodgen.cli.console import print_json, print_result, show_run, write_picture
+from rodgen.cli.console import show_run
 from rodgen.cli.options import AsJson, OutFolder
-from rodgen.cli.result_folders import output_folder
+from rodgen.cli.result_folders import delivery
 from rodgen.scene import Scene
 
 
@@ -37,15 +37,9 @@ def exponents(
 
     start, end = scene.integrate.span
     length = end - start if span is None else span
-    with output_folder(None if as_json else out_folder / scene.name) as folder:
+    with delivery(scene, out_folder, as_json) as deliver:
         with show_run(scene.name, start, start + length) as step:
             found = lyapunov_exponents(
                 scene, count=count, span=span, transient=transient, progress=step
             )
-        if as_json:
-            print_json(found.to_dict())
-            return
-        print_result(f"{scene.name}: Lyapunov exponents", found)
-        from rodgen.show.exponent_pictures import convergence
-
-        write_picture(lambda: convergence(found, scene.name), folder, "exponents")
+        deliver("Lyapunov exponents", found, {"exponents": "means"})

@@ -7,9 +7,9 @@ from typing import Annotated
 
 import typer
 
-from rodgen.cli.console import check_finite, print_json, print_result, show_work, write_picture
+from rodgen.cli.console import check_finite, show_work
 from rodgen.cli.options import After, AsJson, AtTime, OutFolder, Speed
-from rodgen.cli.result_folders import output_folder
+from rodgen.cli.result_folders import delivery
 from rodgen.scene import Scene
 
 
@@ -25,14 +25,7 @@ def modes(
     """Compute the natural frequencies of SCENE about its steady state, and draw the mode shapes."""
     from rodgen.analyse.modes import natural_modes
 
-    with output_folder(None if as_json else out_folder / scene.name) as folder:
+    with delivery(scene, out_folder, as_json) as deliver:
         with show_work("linearising"):
             found = natural_modes(scene, count, t=check_finite("--t", t), speed=speed, after=after)
-        if as_json:
-            print_json(found.to_dict())
-            return
-        print_result(f"{scene.name}: natural frequencies", found)
-        if len(found.frequencies):
-            from rodgen.show.analysis_pictures import mode_shapes
-
-            write_picture(lambda: mode_shapes(found, scene), folder, "modes")
+        deliver("natural frequencies", found, {"modes": "shapes"})

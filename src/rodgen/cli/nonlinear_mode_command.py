@@ -7,9 +7,9 @@ from typing import Annotated
 
 import typer
 
-from rodgen.cli.console import has_pictures, print_json, print_result, show_work, write_picture
+from rodgen.cli.console import has_pictures, show_work, write_picture
 from rodgen.cli.options import AsJson, OutFolder, Segments
-from rodgen.cli.result_folders import output_folder
+from rodgen.cli.result_folders import delivery
 from rodgen.scene import Scene
 
 
@@ -29,19 +29,14 @@ def nonlinear_mode(
     """
     from rodgen.analyse.cycles import nonlinear_modes as modes
 
-    with output_folder(None if as_json else out_folder / scene.name) as folder:
+    with delivery(scene, out_folder, as_json) as deliver:
         with show_work("following the mode"):
             found = modes.nonlinear_mode(scene, mode, energy, segments=segments)
-        if as_json:
-            print_json(found.to_dict())
+        deliver(f"nonlinear mode {mode}", found, {"cycle": "film", "multipliers": "multipliers"})
+        if as_json or not has_pictures():
             return
-        print_result(f"{scene.name}: nonlinear mode {mode}", found)
-        if not has_pictures():
-            return
-        from rodgen.show.cycle_pictures import film_strip, frequency_energy_plot, unit_circle
+        from rodgen.show.cycle_pictures import frequency_energy_plot
 
-        write_picture(lambda: film_strip(found), folder, "cycle")
-        write_picture(lambda: unit_circle(found), folder, "multipliers")
         with show_work("following the family of the mode"):
             data = modes.continue_mode(scene, mode, energy, segments=segments)
-        write_picture(lambda: frequency_energy_plot(data, scene), folder, "mode")
+        write_picture(lambda: frequency_energy_plot(data, scene), out_folder / scene.name, "mode")

@@ -7,9 +7,9 @@ from typing import Annotated
 
 import typer
 
-from rodgen.cli.console import print_json, print_result, show_work, write_picture
+from rodgen.cli.console import show_work
 from rodgen.cli.options import AsJson, OutFolder
-from rodgen.cli.result_folders import output_folder
+from rodgen.cli.result_folders import delivery
 from rodgen.scene import Scene
 
 HELD_BY = "end", "angles", "rates", "tail"
@@ -33,15 +33,7 @@ def precision(
     """Measure error against run time on SCENE, for methods of rodgen and SciPy, and draw it."""
     from rodgen.analyse.precision.work_precision import work_precision
 
-    with output_folder(None if as_json else out_folder / scene.name) as folder:
+    with delivery(scene, out_folder, as_json) as deliver:
         with show_work("measuring") as step:
             found = work_precision(scene, seconds=seconds, of=of, progress=step)
-        if as_json:
-            print_json(found.to_dict())
-            return
-        print_result(f"{scene.name}: error against run time", found)
-        from rodgen.show.precision_pictures import work_precision as diagram
-
-        figure = diagram(found.rows, found.measure, found.trusted[found.measure] or 0.0)
-        if figure is not None:
-            write_picture(lambda: figure, folder, "precision")
+        deliver("error against run time", found, {"precision": "diagram"})

@@ -4,17 +4,18 @@ from __future__ import annotations
 
 import os
 import tempfile
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager, suppress
 from pathlib import Path
 
-from rodgen.cli.console import err, warn
+from rodgen.cli.console import err, print_json, print_result, warn, write_picture
 from rodgen.cli.signals import call_at_end
 from rodgen.errors import InputError
 from rodgen.integrate.files.checkpoint import checkpoint_path
 from rodgen.integrate.files.checksums import RUNNING
 from rodgen.integrate.files.result_file import ResultFile, open_header
 from rodgen.integrate.run_status import INTERRUPTED
+from rodgen.result import Result
 from rodgen.scene import Scene
 from rodgen.scene.integration import AUTO
 
@@ -53,6 +54,32 @@ def output_folder(folder: Path | None) -> Iterator[Path]:
             yield make_writable(folder)
     finally:
         remove_if_empty()
+
+
+@contextmanager
+def delivery(scene: Scene, out_folder: Path, as_json: bool) -> Iterator[Callable[..., None]]:
+    """See that the folder of a scene's results can be written, before they are computed. Gives a
+    function that delivers a result: prints it under a title, or as JSON, and draws its pictures, by
+    the names of their files."""
+    with output_folder(None if as_json else out_folder / scene.name) as folder:
+
+        def deliver(title: str, found: Result, pictures: Mapping[str, str]) -> None:
+            if as_json:
+                print_json(found.to_dict())
+                return
+            print_result(f"{scene.name}: {title}", found)
+            for name, picture in pictures.items():
+                draw_picture(found, picture, folder, name)
+
+        yield deliver
+
+
+def draw_picture(found: Result, picture: str, folder: Path, name: str) -> None:
+    """Draw a picture of a result into a folder, where there is something to draw."""
+    from rodgen.show.appearance import figure_of  # with matplotlib
+
+    with suppress(InputError):  # nothing of it can be drawn
+        write_picture(lambda: figure_of(found, picture), folder, name)
 
 
 def unwritable_error(folder: Path, error: OSError) -> InputError:

@@ -10,13 +10,12 @@ import typer
 from rodgen.cli.console import (
     check_finite,
     print_json,
-    print_result,
     print_table,
     show_work,
     write_picture,
 )
 from rodgen.cli.options import AsJson, AtTime, OutFolder
-from rodgen.cli.result_folders import output_folder
+from rodgen.cli.result_folders import delivery, output_folder
 from rodgen.scene import Scene
 
 
@@ -43,7 +42,6 @@ def static(
 ) -> None:
     """Find the static equilibrium of SCENE, and draw the deflected rod."""
     from rodgen.analyse.statics import static_equilibrium
-    from rodgen.analyse.steady_rod import SteadyRod
     from rodgen.errors import InputError
 
     if every:
@@ -51,16 +49,10 @@ def static(
             raise InputError("--imperfection", imperfection, "absent beside --all")
         _list_equilibria(scene, check_finite("--t", t), out_folder, as_json)
         return
-    with output_folder(None if as_json else out_folder / scene.name) as folder:
+    with delivery(scene, out_folder, as_json) as deliver:
         with show_work("balancing"):
             rest = static_equilibrium(scene, t=check_finite("--t", t), imperfection=imperfection)
-        if as_json:
-            print_json(rest.to_dict())
-            return
-        print_result(f"{scene.name}: static equilibrium", rest)
-        from rodgen.show.analysis_pictures import equilibrium_shape
-
-        write_picture(lambda: equilibrium_shape(rest, SteadyRod.of(scene, t)), folder, "static")
+        deliver("static equilibrium", rest, {"static": "shape"})
 
 
 def _list_equilibria(scene: Scene, t: float | None, out_folder: Path, as_json: bool) -> None:

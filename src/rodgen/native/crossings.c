@@ -1,5 +1,5 @@
 /* Crossings of levels by numbers of rods side by side: detected at points within their steps, then located along the
-   dense output. Watch in integrate/events.py tells which crossings may be missed. */
+   dense output. EventDetector in integrate/events.py tells what counts as a crossing. */
 
 #include "many.h"
 

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Mapping
+from typing import Any
+
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
@@ -10,12 +13,13 @@ from numpy.typing import NDArray
 
 from rodgen.analyse.critical import Critical
 from rodgen.analyse.eigenvalues import Complex
-from rodgen.analyse.load_family import LoadFamily
+from rodgen.analyse.load_family import LoadFamily, load_family
 from rodgen.analyse.modes import Modes
 from rodgen.analyse.scaled_load import GROUPS, label_of
 from rodgen.analyse.statics import Equilibrium
 from rodgen.analyse.steady_rod import SteadyRod
 from rodgen.arrays import Array
+from rodgen.display import Plottable
 from rodgen.errors import AnalysisError, InputError
 from rodgen.model.parameter import typeset
 from rodgen.model.term import FORCE, SPREAD, WEIGHT
@@ -256,3 +260,16 @@ def _eigenvalue_curves(
         except AnalysisError as error:
             last = error
     raise last
+
+
+def _draw_critical(found: Critical) -> Figure:
+    scene = found.scene
+    speed = found.speed if scene.boundary_condition.translates else None
+    return stability_curves(found, load_family(scene, found.t, speed, load=found.load))
+
+
+PICTURES_OF: dict[type[Plottable], Mapping[str, Callable[[Any], Figure]]] = {
+    Modes: {"shapes": lambda found: mode_shapes(found, found.scene)},
+    Equilibrium: {"shape": lambda rest: equilibrium_shape(rest, SteadyRod.of(rest.scene, rest.t))},
+    Critical: {"curves": _draw_critical},
+}

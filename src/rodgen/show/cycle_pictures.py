@@ -11,6 +11,7 @@ from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
 from rodgen.analyse.cycles.cycle_result import Cycle
+from rodgen.analyse.cycles.floquet import Floquet
 from rodgen.arrays import Array
 from rodgen.model.terms import axis_label
 from rodgen.scene import Scene
@@ -169,3 +170,9 @@ def frequency_energy_plot(data: xarray.Dataset, scene: Scene) -> Figure:
     axes.legend(fontsize="small")
     axes.grid(alpha=0.3)
     return figure
+
+
+PICTURES_OF = {
+    Cycle: {"film": film_strip, "multipliers": unit_circle},
+    Floquet: {"multipliers": lambda found: multiplier_plane(found.multipliers, "periodic motion")},
+}

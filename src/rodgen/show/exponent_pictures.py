@@ -62,3 +62,6 @@ def _spectrum(axes: Axes, found: Exponents) -> None:
     if len(numbers) <= CURVES:
         axes.set_xticks(numbers)
     axes.grid(alpha=0.3)
+
+
+PICTURES_OF = {Exponents: {"means": lambda found: convergence(found, found.scene.name)}}

@@ -21,6 +21,8 @@ from rodgen.analyse.precision.rows import (
     read_number,
     read_text,
 )
+from rodgen.analyse.precision.work_precision import WorkPrecision
+from rodgen.errors import InputError
 from rodgen.show.canvas import FAINT, GUIDE, INK, SERIES, TAIL, figure_without_window, make_figure
 
 # The colour of the series, from 1 on, and the mark.
@@ -237,3 +239,13 @@ def _draw_front(frame: Axes, rows: Sequence[Measurement], measure: str, trusted:
     frame.plot(errors, seconds, color=TAIL, linewidth=5, alpha=0.35, zorder=2)
     ring: dict[str, Any] = {"markerfacecolor": "none", "markeredgecolor": INK, "markersize": 7.5}
     frame.plot(errors, seconds, "o", markeredgewidth=0.8, zorder=4, **ring)
+
+
+def _draw_result(found: WorkPrecision) -> Figure:
+    drawn = work_precision(found.rows, found.measure, found.trusted[found.measure] or 0.0)
+    if drawn is None:
+        raise InputError("rows", len(found.rows), "at least one that can be drawn")
+    return drawn
+
+
+PICTURES_OF = {WorkPrecision: {"diagram": _draw_result}}

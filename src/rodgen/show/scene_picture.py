@@ -30,3 +30,6 @@ def scene_at_start(scene: Scene) -> Figure:
     if keys := load_legend(rod, y):
         figure.legend(handles=keys, loc="outside lower center", ncols=2, fontsize="small")
     return figure
+
+
+PICTURES_OF = {Scene: {"start": scene_at_start}}

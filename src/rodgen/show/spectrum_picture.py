@@ -18,3 +18,6 @@ def spectral_density(found: Spectrum) -> Figure:
     axes.set(xlabel="frequency [Hz]", ylabel="density [unit^2/Hz]")
     axes.grid(alpha=0.3)
     return figure
+
+
+PICTURES_OF = {Spectrum: {"density": spectral_density}}

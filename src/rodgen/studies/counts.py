@@ -56,9 +56,8 @@ class PointCounts(Result):
         return {f"  {count} of them": why for why, count in self.reasons.most_common(10)}
 
     def __repr__(self) -> str:
-        return (
-            f"<Tally of {self.name}: {self.computed} of {self.points} points, {self.failed} failed>"
-        )
+        done = f"{self.computed} of {self.points} points"
+        return f"<PointCounts of {self.name}: {done}, {self.failed} failed>"
 
 
 def count_points(path: str | Path) -> PointCounts:
