@@ -2,7 +2,7 @@
 
     symbols      the letters of the model, and the quantities along the chain
     chain        kinematics, written once
-    inertia      distribution of the mass of a link along it
+    link_properties   mass of the links and stiffness of the joints
     explicit_chain, generic_chain   n links, and any number of them, before their loads
     loads/       a file a load: its law, its closed form; kinds: what follows from it
     explicit     derivation 1: LagrangesMethod with n links

@@ -15,8 +15,10 @@ from collections.abc import Sequence
 from functools import cache
 
 from sympy import Expr, S, cos, integrate, pi, sin
+from sympy.physics.mechanics import dynamicsymbols
 
-from .symbols import bend, k, l
+from .polynomials import TIME
+from .symbols import bend, k, l, omega, phi
 
 Vector = tuple[Expr, Expr]
 
@@ -81,6 +83,16 @@ def combine(origin: Vector, levers: Sequence[Expr], angles: Sequence[Expr]) -> V
         if lever != 0
     ]
     return sum((x for x, _ in ends), origin[0]), sum((y for _, y in ends), origin[1])
+
+
+def link_step(link: Expr | int, share: Expr) -> tuple[Expr, Expr, Expr, Expr]:
+    """Derive the vector along a link from its start to a share of it, and how fast it changes."""
+    angle = dynamicsymbols("phi", real=True)
+    way = combine((S.Zero, S.Zero), [lever(OWN, share)], [angle])
+    known = {angle.diff(TIME): omega[link]}
+    vx, vy = (e.diff(TIME).subs(known).subs(angle, phi[link]) for e in way)
+    x, y = (e.subs(angle, phi[link]) for e in way)
+    return x, y, vx, vy
 
 
 def position(

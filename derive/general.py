@@ -24,7 +24,6 @@ from sympy import (
     expand,
     factor,
 )
-from sympy.physics.mechanics import dynamicsymbols
 
 from .chain import (
     AFTER,
@@ -32,14 +31,13 @@ from .chain import (
     LINEAR,
     OWN,
     Vector,
-    combine,
     lever,
+    link_step,
     spring_moment,
 )
 from .generic_chain import GenericChain
 from .loads import loads_of
 from .loads.kinds import GeneralisedForces, JointMoment, Load
-from .polynomials import TIME
 from .symbols import (
     ALPHA,
     Array,
@@ -57,7 +55,6 @@ from .symbols import (
     joint_y,
     later,
     n,
-    omega,
     phi,
     reach_x,
     reach_y,
@@ -65,7 +62,6 @@ from .symbols import (
     vx0,
     vy0,
     x0,
-    xi,
     y0,
 )
 
@@ -247,15 +243,11 @@ class GeneralEquations(GenericChain):
     def arrays(self) -> dict[IndexedBase, Array]:
         """Positions and velocities of the joints, moments across them, and arrays of the loads."""
         boundary_condition = self.boundary_condition
-        angle, time_angle = phi[i], dynamicsymbols("phi", real=True)
-        ends = combine((S.Zero, S.Zero), [lever(BEFORE, xi)], [time_angle])
-        rates = [e.diff(TIME).subs(time_angle.diff(TIME), omega[i]) for e in ends]
-        steps = [e.subs(time_angle, angle) for e in (*ends, *rates)]
         origin = (x0, y0, vx0, vy0) if boundary_condition.translates else (S.Zero,) * 4
         firsts = (0, 0, boundary_condition.first, boundary_condition.first)
         sums = [
             start + Sum(step, (i, first, joint - 1))
-            for start, step, first in zip(origin, steps, firsts, strict=True)
+            for start, step, first in zip(origin, link_step(i, S.One), firsts, strict=True)
         ]
         zero, first, moving = map(
             Integer, (0, boundary_condition.first, boundary_condition.first_joint)

@@ -1,19 +1,92 @@
-"""A chain of any number of links: sums of levers over its mass, virtual work of forces."""
+"""A chain of any number of links: one mass point carried by two of them, from which all entries of
+derivation 2 come; sums of levers over its mass, virtual work of forces."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from functools import cached_property
+from dataclasses import dataclass
+from functools import cache, cached_property
 from math import prod
 
-from sympy import Eq, Expr, Piecewise, S, Sum, expand, factor_terms, summation
+from sympy import (
+    Eq,
+    Expr,
+    Matrix,
+    Piecewise,
+    Poly,
+    S,
+    Sum,
+    Symbol,
+    expand,
+    factor_terms,
+    simplify,
+    summation,
+    symbols,
+    trigsimp,
+)
+from sympy.physics.mechanics import LagrangesMethod, dynamicsymbols
 
 from rodgen.model.rod import BOUNDARIES, Boundary
 
-from .chain import AFTER, BEFORE, OWN, Vector, lever, side_lever
+from .chain import AFTER, BEFORE, OWN, Vector, combine, lever, normal_angle, side_lever
 from .link_properties import Rod
-from .mass_point import MassPoint, mass_point
+from .polynomials import TIME
 from .symbols import eta, i, joint, n, other, phi, xi
+
+
+@dataclass(frozen=True)
+class MassPoint:
+    """Equations of a mass point mu carried by links i < j at the levers a_i, a_j along them and,
+    where there is mass beside the links, b_i, b_j across them."""
+
+    a: tuple[Symbol, ...]
+    b: tuple[Symbol, ...]
+    mu: Symbol
+    angles: tuple[Expr, Expr]
+    mass: list[list[Expr]]
+    velocity: list[list[Expr]]
+    partial: list[Vector]
+
+
+@cache
+def mass_point(sided: bool = False) -> MassPoint:
+    """Derive the mass point; sided: with levers across its links as well."""
+    a = symbols("a_i a_j", positive=True)
+    b = symbols("b_i b_j", real=True) if sided else ()
+    mu = Symbol("mu", positive=True)
+    x, y, phi_i, phi_j = q = dynamicsymbols("x y phi_i phi_j", real=True)
+    ways = [phi_i, phi_j, normal_angle(phi_i), normal_angle(phi_j)]
+    r = combine((x, y), (*a, *b), ways[: len(a) + len(b)])
+    v = [c.diff(TIME) for c in r]
+    method = LagrangesMethod(mu / 2 * (v[0] ** 2 + v[1] ** 2), q)
+    method.form_lagranges_equations()
+    rates = [phi_i.diff(TIME), phi_j.diff(TIME)]
+    forcing = [expand(e) for e in method.forcing]
+    velocity = [[e.coeff(rate, 2) for rate in rates] for e in forcing]
+    left = [
+        simplify(e - sum(c * u**2 for c, u in zip(row, rates, strict=True)))
+        for e, row in zip(forcing, velocity, strict=True)
+    ]
+    mass = [[_by_lever(e, (*a, *b)) for e in row] for row in method.mass_matrix.tolist()]
+    partial = [(r[0].diff(p), r[1].diff(p)) for p in (phi_i, phi_j)]
+    # What the blocks of M and Q below take for granted.
+    nothing = [*left, mass[0][1], mass[0][0] - mass[1][1], velocity[2][0], velocity[3][1]]
+    if any(nothing) or Matrix(mass) != Matrix(mass).T:
+        raise ArithmeticError(
+            f"M or Q of a mass point is not of the form assumed: {mass}, {nothing}"
+        )
+    return MassPoint(a, b, mu, (phi_i, phi_j), mass, velocity, partial)
+
+
+def _by_lever(entry: Expr, levers: Sequence[Symbol]) -> Expr:
+    """Entry with its factor of every product of levers in its shortest form."""
+    if len(levers) == 2:
+        return trigsimp(entry)
+    terms = Poly(expand(entry), *levers).terms()
+    products = (
+        trigsimp(c) * prod(x**p for x, p in zip(levers, at, strict=True)) for at, c in terms
+    )
+    return sum(products, start=S.Zero)
 
 
 class GenericChain:

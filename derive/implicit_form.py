@@ -13,14 +13,12 @@ from dataclasses import dataclass
 from functools import cached_property
 
 from sympy import Add, And, Eq, Expr, Indexed, Matrix, Mul, Piecewise, S, Symbol
-from sympy.physics.mechanics import dynamicsymbols
 
-from .chain import OWN, combine, lever
+from .chain import link_step
 from .general import GeneralEquations
 from .joint_force_system import JointForceSystem
 from .joint_system import alpha, collect_terms, lambda_x, lambda_y, link_moment, load_on, tail_load
 from .loads.joint_drag import divisor
-from .polynomials import TIME
 from .symbols import i, joint_vx, joint_vy, joint_x, joint_y, n, omega, phi, s
 
 UNKNOWNS = (alpha, lambda_x, lambda_y)
@@ -74,10 +72,8 @@ class ImplicitForm:
     @cached_property
     def lever_derivatives(self) -> tuple[Matrix, Matrix]:
         """Derivatives of the velocity that link i adds from start to end, by angle and by rate."""
-        angle = dynamicsymbols("phi", real=True)
-        gained = Matrix(combine((S.Zero, S.Zero), [lever(OWN, S.One)], [angle])).diff(TIME)
-        named = gained.subs(angle.diff(TIME), omega[i]).subs(angle, phi[i])
-        return named.diff(phi[i]), named.diff(omega[i])
+        _, _, *velocity = link_step(i, S.One)
+        return Matrix(velocity).diff(phi[i]), Matrix(velocity).diff(omega[i])
 
     def by_number(self, number: Symbol) -> Matrix:
         """Derivative by a number in the loads."""

@@ -22,7 +22,6 @@ from sympy.physics.mechanics import dynamicsymbols
 
 from .chain import OWN, Vector, combine, lever, normal_angle, side_lever
 from .general import GeneralEquations
-from .inertia import INERTIAS
 from .joint_system import (
     BlockSystem,
     alpha,
@@ -44,7 +43,7 @@ from .joint_system import (
     tail_load,
     weight_on,
 )
-from .link_properties import Rod
+from .link_properties import INERTIAS, Rod
 from .polynomials import TIME
 from .symbols import Array, eta, i, m, n, omega, other, phi, s, xi
 from .tensions import TensionSystem

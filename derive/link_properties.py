@@ -1,21 +1,45 @@
-"""Mass of the links and stiffness of the joints of a rod, uniform or differing along it."""
+"""Mass of the links and stiffness of the joints of a rod, uniform or differing along it.
+
+Of the mass along a link only means over the fraction xi in [0, 1] enter the equations, so a
+distribution is its moments <1>, <xi>, <xi^2>.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
+from functools import cache
 
-from sympy import Expr, Poly, S, sympify
+from sympy import Expr, Poly, S, integrate, sympify
 
 from rodgen.model import rod as rows
 from rodgen.model.parameter import LINKS
 
-from .inertia import mass_mean
 from .symbols import PARAMETERS, eta, k, m, xi
 
 joint_stiffness, link_mass = PARAMETERS["joint_stiffness"], PARAMETERS["link_mass"]
 centre = tuple(PARAMETERS[row.name] for row in rows.CENTRE)
 spread = tuple(PARAMETERS[row.name] for row in rows.SPREAD)
+
+INERTIAS: dict[str, Callable[[Expr], Expr]] = {
+    # spread evenly: <f> is the integral of f, which gives m l^2/12 about the centre
+    "uniform": lambda f: integrate(f, (xi, 0, 1)),
+    # half of it at each end of a massless link, so that m gathers at every inner joint
+    "lumped": lambda f: (f.subs(xi, 0) + f.subs(xi, 1)) / 2,
+}
+
+
+def mass_mean(inertia: str, expression: Expr) -> Expr:
+    """Mean of a polynomial in xi over the mass of one link."""
+    powers = Poly(expression, xi).all_coeffs()[::-1]
+    weigh = INERTIAS[inertia]
+    return sum((c * _moment(weigh, power) for power, c in enumerate(powers)), start=S.Zero)
+
+
+@cache
+def _moment(weigh: Callable[[Expr], Expr], power: int) -> Expr:
+    """<xi**power>: SymPy takes as long for it as for the rest of an entry."""
+    return weigh(xi**power)
 
 
 def link_parameters(nonuniform: Iterable[str]) -> list[str]:

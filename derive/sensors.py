@@ -9,16 +9,15 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from sympy import Eq, Expr, Piecewise, S
-from sympy.physics.mechanics import dynamicsymbols
 
 from rodgen.model.rod import Boundary
 
-from .chain import BEFORE, OWN, combine, lever
-from .polynomials import TIME
+from .chain import link_step
 from .symbols import i, joint_vx, joint_vy, joint_x, joint_y, omega, phi
 
 ANGLE, RATE = "phi", "omega"
 AXES = {"x": 0, "y": 1, "vx": 0, "vy": 1}
+STARTS = {"x": joint_x, "y": joint_y, "vx": joint_vx, "vy": joint_vy}  # of the link
 
 
 @dataclass(frozen=True)
@@ -35,39 +34,24 @@ class SensorPoint:
             return phi[self.link]
         if what == RATE:
             return omega[self.link]
-        at, way = (a[AXES[what]] for a in ((joint_x, joint_y), self._vector_along(self.link, OWN)))
-        if what in ("vx", "vy"):
-            if self.held:
-                return S.Zero
-            at, way = (joint_vx, joint_vy)[AXES[what]], _time_derivative(way, self.link)
-        return at[self.link] + way
+        if self.held and what in ("vx", "vy"):
+            return S.Zero
+        return STARTS[what][self.link] + _gain(what, self.link, self.share)
 
     def derivatives(self, what: str) -> tuple[Expr, Expr]:
         """Derivatives of a coordinate or a velocity by the angle and by the rate of link i, which
         is that of the point or one before it."""
-        own, before = (self._link_derivatives(what, place) for place in (OWN, BEFORE))
+        own, before = (_gain(what, i, share) for share in (self.share, S.One))
         by_angle, by_rate = (
-            Piecewise((a, Eq(i, self.link)), (b, True)) for a, b in zip(own, before, strict=True)
+            Piecewise((own.diff(x), Eq(i, self.link)), (before.diff(x), True))
+            for x in (phi[i], omega[i])
         )
         return by_angle, by_rate
 
-    def _link_derivatives(self, what: str, place: str) -> tuple[Expr, Expr]:
-        """Derivatives, by angle and by rate, of the part of link i in the vector to the point."""
-        way = self._vector_along(i, place)[AXES[what]]
-        if what in ("vx", "vy"):
-            way = _time_derivative(way, i)
-        return way.diff(phi[i]), way.diff(omega[i])
 
-    def _vector_along(self, link: Expr | int, place: str) -> tuple[Expr, Expr]:
-        """Vector along a link from its start: to the point on it (OWN), to its end (BEFORE)."""
-        return combine((S.Zero, S.Zero), [lever(place, self.share)], [phi[link]])
-
-
-def _time_derivative(way: Expr, link: Expr | int) -> Expr:
-    """Derivative by time of an expression in the angle of a link."""
-    angle = dynamicsymbols("phi", real=True)
-    rate = way.subs(phi[link], angle).diff(TIME)
-    return rate.subs(angle.diff(TIME), omega[link]).subs(angle, phi[link])
+def _gain(what: str, link: Expr | int, share: Expr) -> Expr:
+    """What a link adds from its start to a share of it."""
+    return dict(zip(STARTS, link_step(link, share), strict=True))[what]
 
 
 def point_at(at: Expr, links: int, boundary: Boundary) -> SensorPoint:

@@ -18,8 +18,8 @@ from pathlib import Path
 import sympy
 
 from rodgen.emit import module_files
-from rodgen.emit.tableaux import headers
 from rodgen.scene.structure import Structure
+from tests.tableaux import headers
 from tests.tables import pages
 
 ROOT = Path(__file__).parents[1]

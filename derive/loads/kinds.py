@@ -5,8 +5,8 @@
     MassForce     a force on all mass, which has a potential
     JointMoment   a moment across every joint, by the rates of the links that meet there
     JointDrag     a force on every joint that moves, by its velocity (joint_drag.py)
-    JointAnchor   springs and dampers from every joint that moves to the ground (joint_anchor.py)
-    LinkAnchor    springs and dampers from a point of every link to the ground (link_anchor.py)
+    Foundation    springs and dampers from every joint that moves to the ground (foundation.py)
+    Supports      springs and dampers from a point of every link to the ground (supports.py)
 
 A load is an object of one of these classes and has its law. Its kind derives from that the
 generalised forces by virtual work with n links (derivation 1) and for any n (derivation 2), the

@@ -5,8 +5,8 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 
+from ..comparison import Comparison, DisagreementError
 from .any_n import prove_any_n
-from .comparison import Comparison, DisagreementError
 from .explicit_proof import prove_explicit
 from .joint_force_proof import prove_joint_forces
 from .rational_points import prove_at_points

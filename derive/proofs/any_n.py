@@ -10,6 +10,7 @@ import sympy
 from sympy import Add, Expr, IndexedBase, Integer, S, Sum, Symbol, expand, expand_trig, symbols
 
 from ..closed_form import Arithmetic, ClosedForm, link_masses, link_sizes
+from ..comparison import ANY_N, Comparison, DisagreementError
 from ..general import GeneralEquations
 from ..link_properties import joint_stiffness
 from ..loads import TERMS
@@ -38,7 +39,6 @@ from ..symbols import (
     phi,
     s,
 )
-from .comparison import ANY_N, Comparison, DisagreementError
 
 Pairs = list[tuple[Expr, Expr]]
 _q = Symbol("q", integer=True)

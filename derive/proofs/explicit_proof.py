@@ -13,6 +13,7 @@ from sympy.polys.rings import PolyElement
 from rodgen.model.rod import BOUNDARIES
 
 from ..closed_form import Arithmetic, ClosedForm, link_masses
+from ..comparison import EXPLICIT, Comparison, DisagreementError
 from ..explicit import ExplicitDerivation
 from ..general import GeneralEquations
 from ..loads import TERMS, loads_of
@@ -35,7 +36,6 @@ from ..symbols import (
     phi,
 )
 from . import exact
-from .comparison import EXPLICIT, Comparison, DisagreementError
 
 
 def prove_explicit(

@@ -15,6 +15,7 @@ from typing import Any
 from sympy import QQ, Expr, Matrix, Symbol, cos, sin
 from sympy.polys.rings import PolyElement
 
+from ..comparison import JOINTS, Comparison, DisagreementError
 from ..explicit import ExplicitDerivation
 from ..general import GeneralEquations
 from ..joint_force_system import joint_system
@@ -23,7 +24,6 @@ from ..link_properties import joint_stiffness, link_parameters
 from ..loads import TERMS
 from ..polynomials import TIME
 from ..symbols import ALPHA, PARAMETERS, Array, i, k, l, m, n, omega, phi
-from .comparison import JOINTS, Comparison, DisagreementError
 from .exact import TURNED, Angle, evaluate, pythagorean
 
 

@@ -15,13 +15,13 @@ from typing import Any
 from sympy import Eq, Expr, IndexedBase, Sum, Symbol
 
 from ..closed_form import Arithmetic, ClosedForm, link_masses
+from ..comparison import POINTS, Comparison, DisagreementError
 from ..general import GeneralEquations
 from ..link_properties import joint_stiffness, link_parameters
 from ..loads import TERMS
 from ..loads.kinds import JointMoment, Load
 from ..symbols import ALPHA, PARAMETERS, i, j, joint_moment, k, l, later, m, n, omega, phi, s
 from . import exact
-from .comparison import POINTS, Comparison, DisagreementError
 from .exact import evaluate, pythagorean
 
 ENTRIES = 10_000  # of M and of Q, at most

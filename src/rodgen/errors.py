@@ -1,4 +1,4 @@
-"""Errors that users meet: of their input, of an analysis, of a study."""
+"""Errors that users meet: of their input, of an analysis, of a study; and words of messages."""
 
 from __future__ import annotations
 
@@ -40,8 +40,12 @@ class InputError(ValueError):
         return type(self), (self.field, _make_picklable(self.value), self.allowed)
 
 
-class _ShownText(str):
-    """Text that stands for a value that cannot be pickled."""
+class EmptyPictureError(InputError):
+    """A picture in which there is nothing to draw."""
+
+
+class ShownText(str):
+    """Text that stands for a value in messages, without quotes."""
 
     __slots__ = ()
     __repr__ = str.__str__
@@ -52,7 +56,7 @@ def _make_picklable(value: object) -> object:
     try:
         pickle.dumps(value)
     except Exception:  # a value of any class, whose pickling may raise anything
-        return _ShownText(shorten(value))
+        return ShownText(shorten(value))
     return value
 
 
@@ -92,6 +96,11 @@ def did_you_mean(word: object, known: Iterable[str]) -> str:
 def _escape_control_characters(text: str) -> str:
     """Escape control characters, which a key of a file may hold."""
     return "".join(c if c.isprintable() else ascii(c)[1:-1] for c in text)
+
+
+def install_command(extra: str) -> str:
+    """The command that installs an extra, such as "view", as messages name it."""
+    return f'pip install ".[{extra}]" in a clone of rodgen'
 
 
 class Missing:

@@ -16,8 +16,7 @@ from typing import Any
 
 import numpy as np
 
-from rodgen.errors import InputError, check_type
-from rodgen.extras import install_command
+from rodgen.errors import InputError, check_type, install_command
 from rodgen.loading.generated_module import structure_of
 from rodgen.native.library import load_library
 from rodgen.scene import Scene

@@ -11,7 +11,7 @@ from html import escape
 from math import isfinite
 from threading import Timer, current_thread, main_thread
 from time import perf_counter
-from typing import Any, Protocol, Self
+from typing import Any, Self
 
 DERIVING, EMITTING, COMPILING = "deriving the equations", "emitting the module", "compiling"
 
@@ -160,7 +160,7 @@ class _Bar:
         self._what, self._total = what, total
         self._far: dict[str, Any] = {"completed": 0.0, "at": ""}
         self._remaining = remaining
-        self._drawn: _VisibleBar | None = None
+        self._drawn: TerminalBar | NotebookBar | None = None
         self._timer = Timer(PATIENCE, self._appear)
         self._timer.daemon = True
 
@@ -199,16 +199,6 @@ def remove_bars() -> None:
     """Remove all visible bars, before the program ends at once."""
     for bar in _bars:
         bar.stop()
-
-
-class _VisibleBar(Protocol):
-    """Interface of visible bars."""
-
-    def update(self, completed: float, at: str) -> None:
-        """Set how much is completed, and the text beside the bar."""
-
-    def stop(self) -> None:
-        """Remove the bar."""
 
 
 class TerminalBar:

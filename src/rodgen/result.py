@@ -8,7 +8,7 @@ import numbers
 import re
 import sys
 import warnings
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from contextvars import ContextVar
 from dataclasses import dataclass, field, replace
@@ -21,6 +21,7 @@ from rodgen.display import Tabular
 from rodgen.errors import DoubtWarning
 
 DOUBT, REMARK, NOTES = "doubt", "remark", "notes"
+DIGITS = 3, 12  # the least and the most that are printed of a value with an error
 UNKNOWN = -1  # of what is neither true nor false, in a study
 
 
@@ -90,7 +91,9 @@ class Row:
     a result, by default the attribute; text: function for its text where a number with its unit is
     not enough, or for several lines by name, None to leave it out of tables; along: of an array,
     what it has a value for each of, such as "mode", in whose table it is a column; kept: how a
-    study stores it, None if it cannot; unknown: whole number that stands for an unknown value.
+    study stores it, None if it cannot; unknown: whole number that stands for an unknown value;
+    error: attribute that is its error, which tells how many digits are printed; missing: text of
+    not-a-number, if it has one.
     """
 
     name: str
@@ -102,6 +105,8 @@ class Row:
     along: str = ""
     kept: StudyStorage | None = None
     unknown: int | None = None
+    error: str = ""
+    missing: str = ""
 
     def value(self, result: Any) -> Any:
         """Its value in a result."""
@@ -231,16 +236,6 @@ def tables(rows: Iterable[Row], result: Any) -> list[ResultTable]:
     return made + [_column_table(along, some, result) for along, some in columns.items()]
 
 
-def comparison_table(results: Sequence[Result], names: Iterable[str]) -> ResultTable:
-    """Table that compares results of one class: a line each, with the rows of these names."""
-    rows = [row for row in results[0].ROWS if row.name in names]
-    lines = [
-        (str(number), *(" ".join(text for _, text in _row_lines(row, one)) for row in rows))
-        for number, one in enumerate(results, 1)
-    ]
-    return ResultTable.of_rows(("", *(row.words for row in rows)), lines)
-
-
 def _row_lines(row: Row, result: Any) -> Iterator[tuple[str, str]]:
     """Yield the name and text of a row, or of each of its values where they have names."""
     if row.text is not None:
@@ -252,6 +247,11 @@ def _row_lines(row: Row, result: Any) -> Iterator[tuple[str, str]]:
     if isinstance(value, Mapping):
         for name, one in value.items():
             yield row.words.format(name), format_value(one, row.format, unit)
+    elif row.error:
+        text = format_with_error(value, getattr(result, row.error))
+        yield row.words, f"{text} {unit}".rstrip()
+    elif row.missing and math.isnan(value):
+        yield row.words, row.missing
     else:
         yield row.words, format_value(value, row.format, unit)
 
@@ -276,6 +276,15 @@ def format_value(value: Any, form: str, unit: str = "") -> str:
         case _:
             text = f"({', '.join(format_value(one, form) for one in value)})"
     return f"{text} {unit}" if unit else text
+
+
+def format_with_error(value: float, error: float) -> str:
+    """Format a value with the digits that an error leaves, twelve at most."""
+    least, most = DIGITS
+    if not value or not error:
+        return f"{value:.{most}g}"
+    known = int(np.floor(np.log10(abs(value) / error)))
+    return f"{value:.{min(max(known, least), most)}g}"
 
 
 def _column_table(along: str, rows: list[Row], result: Any) -> ResultTable:

@@ -68,8 +68,8 @@ def test_small_motions_are_those_of_the_jacobian(system: SteadyRod) -> None:
     y = np.zeros(len(system.model.STATE))
     here = DenseBalance(system, y, p, 0.0)
     dense = here.dense_pencil()
-    size = len(dense.K)
-    M, C, K = dense.M, dense.C, dense.K
+    size = dense.size
+    K, C, M = dense.parts
     # M u'' + C u' + K u = 0, where rows of added states are of first order: M is zero there.
     A = np.block([[np.eye(size), np.zeros((size, size))], [C, M]])
     B = np.block([[np.zeros((size, size)), np.eye(size)], [-K, np.zeros((size, size))]])

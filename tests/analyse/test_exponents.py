@@ -14,7 +14,7 @@ from scipy.signal import lfilter
 
 import rodgen
 from rodgen.analyse.chaos.lyapunov import half_differences, lyapunov_exponents, standard_errors
-from rodgen.analyse.chaos.metrics import KineticMetric
+from rodgen.analyse.chaos.metrics import Metric
 from rodgen.analyse.chaos.zero_exponents import zero_exponents
 from rodgen.errors import AnalysisError
 from rodgen.integrate.stepper import StepError
@@ -131,7 +131,7 @@ def test_exponents_add_up_to_the_mean_divergence(damped: Scene) -> None:
     mean = simpson(traces, x=sol.t) / 10.0
     assert mean < -0.1
     assert found.divergence == pytest.approx(mean, abs=1e-6)
-    dense = KineticMetric(model, p).log_density
+    dense = Metric(model, p).log_density
     kept = (dense(10.0, sol.y[-1]) - dense(0.0, sol.y[0])) / 10.0
     assert found.exponents.sum() == pytest.approx(mean + kept, abs=1e-6)
 

@@ -23,8 +23,8 @@ from scipy.optimize import brentq
 from rodgen.analyse.critical import critical_load
 from rodgen.analyse.extrapolation import richardson
 from rodgen.analyse.modes import natural_modes
-from rodgen.analyse.onset import format_with_error
 from rodgen.errors import AnalysisError
+from rodgen.result import format_with_error
 from rodgen.scene import Scene
 from tests.analyse.rods import ONES, rod
 from tests.told import numbers

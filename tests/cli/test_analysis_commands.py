@@ -12,7 +12,8 @@ import pytest
 import rodgen as package
 from rodgen.analyse import critical, simulated_critical
 from rodgen.analyse.load_family import LoadFamily, load_family
-from rodgen.errors import AnalysisError
+from rodgen.errors import AnalysisError, InputError
+from rodgen.show import appearance
 from rodgen.show.analysis_pictures import stability_curves
 from tests.cli.conftest import LENGTH, Run, Write, one_object
 from tests.told import numbers
@@ -67,6 +68,21 @@ def test_results_are_those_of_the_library(rodgen: Run, column: Write, command: s
     assert file.read_bytes().startswith(b"\x89PNG")
     refused = rodgen(command, path, "--out", path)
     assert (refused.returncode, refused.stdout, refused.stderr.count("\n")) == (2, "", 1)
+
+
+def test_only_a_picture_of_nothing_is_left_out(
+    rodgen: Run, write: Write, column: Write, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A free rod of one link has no modes; what goes wrong in a drawing is told."""
+
+    def fails(*_: object) -> None:
+        raise InputError("load", "wind", "drawn")
+
+    assert rodgen("modes", write("", 1, "free")).returncode == 0
+    assert not Path("results").exists()
+    monkeypatch.setattr(appearance, "figure_of", fails)
+    done = rodgen("modes", column(PUSHED))
+    assert (done.returncode, done.stderr) == (2, "rodgen: load = 'wind': must be drawn\n")
 
 
 def test_modes_in_flight(rodgen: Run, column: Write) -> None:

@@ -11,7 +11,7 @@ import pytest
 from typer.testing import CliRunner
 
 from rodgen.cli import app as module
-from rodgen.cli.error_reports import BAD_INPUT
+from rodgen.cli.exits import BAD_INPUT
 from tests.cli.conftest import ROOT, python
 
 Commands = Callable[..., tuple[int, str, str]]

@@ -172,7 +172,7 @@ import signal, time, numpy as np, rodgen.cli, rodgen.cli.app
 from pathlib import Path
 from threading import Timer
 from rodgen.cli.result_folders import output_folder
-from rodgen.cli.signals import call_at_end
+from rodgen.cli.exits import call_at_end
 matrix = np.random.default_rng(0).standard_normal((3000, 3000))
 def command(**_):
     with output_folder(Path("results/rod")), call_at_end(lambda: "; 7"):

@@ -8,7 +8,7 @@ from typing import Any
 
 import pytest
 
-from rodgen.cli.error_reports import report_errors
+from rodgen.cli.exits import report_errors
 from tests.cli.conftest import ROOT, Run, Write
 
 MISSILE = ROOT / "scenes" / "missile.toml"
@@ -74,12 +74,12 @@ REFUSED: dict[str, dict[str, tuple[str, ...]]] = {
         "scene": ("", "missing.toml"),
         "count = 0": ("FREE --count 0",),
         "--count": ("FREE --count many",),
-        "--t = nan": ("FREE --t nan",),
+        "t = nan": ("FREE --t nan",),
         "t = 11.0": ("FREE --t 11",),
         "after = 11.0": ("FREE --after 11",),
     },
     "static": {
-        "--t = inf": ("FREE --t inf",),
+        "t = inf": ("FREE --t inf",),
         "imperfection": ("PUSHED --imperfection 0", "PUSHED --imperfection nan"),
         "--imperfection": ("DAMPED --all --imperfection 0.1",),
     },

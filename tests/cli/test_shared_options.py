@@ -9,7 +9,7 @@ from typing import Any
 from typer.testing import CliRunner
 
 from rodgen.cli.app import app, own_commands
-from rodgen.cli.common_options import read_scene
+from rodgen.cli.options import read_scene
 from rodgen.scene import Scene
 from tests.cli.conftest import Run
 from tests.told import refused

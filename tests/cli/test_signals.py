@@ -6,7 +6,7 @@ import signal
 
 import pytest
 
-from rodgen.cli.signals import treat_signals_as_ctrl_c
+from rodgen.cli.exits import treat_signals_as_ctrl_c
 
 
 @pytest.mark.parametrize("name", ["SIGINT", "SIGTERM", "SIGHUP", "SIGQUIT"])

@@ -21,7 +21,7 @@ from rodgen.loading import build
 from rodgen.loading.generated_module import call_module
 from rodgen.scene import Scene
 from rodgen.scene.structure import Structure
-from rodgen.system.freezing import freeze_masses
+from rodgen.system.freezing import masses_at
 from tests.palette import ALONG, ENDS
 from tests.sets import sets
 from tests.told import refused
@@ -123,7 +123,7 @@ def test_analyses_take_the_masses_of_a_time() -> None:
         assert told.field == "t"
         assert "rod.mass_per_length" in told.allowed
     # 10 kg/m at the start, 6 kg/m at 2 s.
-    held = freeze_masses(scene, 2.0).loads
+    held = scene.replace(masses_at(scene, 2.0)).loads
     assert held.value("internal_damping") == pytest.approx(0.05 / 0.6)
     assert held.value("external_damping") == pytest.approx(0.3 / 0.6)
     inner = _scene(rod=rod, bodies=[TANK], loads={"internal_damping": {"coefficient": 0.05}})

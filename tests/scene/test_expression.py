@@ -182,7 +182,9 @@ def test_a_swing_is_one_beside_the_whole_load() -> None:
 
 def test_other_values_of_the_numbers_are_checked_and_leave_the_first_alone() -> None:
     first = Expression("a*t + 1/a", "t", numbers=(("a", 2.0), ("b", 1.0)))
+    assert first.with_parameters("f")[1] == {"a": 2.0, "f_1": 1.0}
     other = first.with_values({"a": 4.0, "b": 7.0})
+    assert other.with_parameters("f")[1] == {"a": 4.0, "f_1": 1.0}
     assert (float(first(1.0)), float(other(1.0))) == (2.5, 4.25)
     assert other == Expression("a*t + 1/a", "t", numbers=(("a", 4.0),))
     assert refused(first.with_values, {"a": 0.0}).value == "a*t + 1/a"

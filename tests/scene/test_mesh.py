@@ -7,9 +7,10 @@ from typing import Any
 import numpy as np
 import pytest
 
+from rodgen.analyse.extrapolation import find_unlike_damping
 from rodgen.model.rod import BOUNDARIES
 from rodgen.scene import Scene
-from rodgen.scene.mesh import find_unlike_damping, mesh_notes
+from rodgen.scene.mesh import mesh_notes
 from tests.told import numbers, refused
 
 ROD = {"links": 4, "length": 2.0, "bending_stiffness": 3.0, "mass": 5.0}

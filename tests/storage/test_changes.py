@@ -13,7 +13,8 @@ import xarray as xr
 
 import rodgen
 from rodgen.integrate.files import stream
-from rodgen.integrate.files.reader import Excerpt
+from rodgen.integrate.files.reader import solution_of
+from rodgen.integrate.files.result_file import ResultFile
 from rodgen.integrate.files.stream import Stream
 from rodgen.integrate.solution import Solution
 from rodgen.integrate.trajectory import Changes
@@ -86,8 +87,9 @@ def test_other_readers_see_what_held(changed: Make, tmp_path: Path) -> None:
         np.testing.assert_array_equal(data["gravity_energy"], due)
     # Of some samples, too.
     kept = np.array([0, 69, 70, 71, 199])
-    stored = Excerpt(tmp_path / "run.nc")
-    np.testing.assert_array_equal(stored.read(kept).energy.total, energies[kept])
+    with ResultFile(tmp_path / "run.nc") as file:
+        some = solution_of(file, file.samples()[0], kept)
+    np.testing.assert_array_equal(some.energy.total, energies[kept])
     np.testing.assert_array_equal(sol.isel(kept).energy.total, energies[kept])
     np.testing.assert_array_equal(sol.head(100).energy.total, energies[:100])
     few = rodgen.load(tmp_path / "run.nc", most=3)

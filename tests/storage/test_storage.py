@@ -99,12 +99,10 @@ def test_states_beside_those_of_the_rod(make_scene: Make, tmp_path: Path) -> Non
 
 def test_files_of_others(tmp_path: Path) -> None:
     path = tmp_path / "run.nc"
-    old = b"\x89HDF\r\n\x1a\n" + bytes(100)
-    for content in (b"", b"no NetCDF", old, b"CDF\x01" + bytes(28), b"CDF\x02" + bytes(28)):
+    hdf5 = b"\x89HDF\r\n\x1a\n" + bytes(100)
+    for content in (b"", b"no NetCDF", hdf5, b"CDF\x01" + bytes(28), b"CDF\x02" + bytes(28)):
         path.write_bytes(content)
-        told = refused(rodgen.load, path)
-        assert told.value == str(path)
-        assert ("HDF5" in told.allowed) == (content == old)
+        assert refused(rodgen.load, path).value == str(path)
     with netcdf_file(path, "w", version=2) as other:
         other.createDimension("time", None)
         for name in ("time", "temperature"):

@@ -9,20 +9,21 @@ import pytest
 from sympy import Matrix, S, Sum, expand, simplify
 from sympy.physics.mechanics import LagrangesMethod
 
-from rodgen.derive import inertia, symbols
+from rodgen.derive import symbols
 from rodgen.derive.closed_form import ClosedForm
 from rodgen.derive.explicit import ExplicitDerivation
 from rodgen.derive.general import GeneralEquations
+from rodgen.derive.link_properties import INERTIAS
 from rodgen.derive.loads import LOADS, TERMS
 from rodgen.derive.loads.follower import Follower
+from rodgen.derive.loads.foundation import Foundation
 from rodgen.derive.loads.gravity import Gravity
 from rodgen.derive.loads.internal_damping import InternalDamping
-from rodgen.derive.loads.joint_anchor import JointAnchor
 from rodgen.derive.loads.joint_drag import JointDrag
 from rodgen.derive.loads.kinds import JointMoment, MassForce
-from rodgen.derive.loads.link_anchor import LinkAnchor
 from rodgen.derive.loads.link_force import LinkForce
 from rodgen.derive.loads.point_force import PointForce
+from rodgen.derive.loads.supports import Supports
 from rodgen.derive.polynomials import TIME
 from rodgen.derive.proofs import DisagreementError
 from rodgen.derive.proofs import any_n as proof_any_n
@@ -34,10 +35,10 @@ from rodgen.model import rod, terms
 from rodgen.model.rod import BOUNDARIES
 from tests.palette import can_move, cases
 
-RODS = cases("boundary, inertia", BOUNDARIES, inertia.INERTIAS)
+RODS = cases("boundary, inertia", BOUNDARIES, INERTIAS)
 
 
-@cases("boundary, links, inertia", BOUNDARIES, (1, 2, 3), inertia.INERTIAS, where=can_move)
+@cases("boundary, links, inertia", BOUNDARIES, (1, 2, 3), INERTIAS, where=can_move)
 def test_explicit_derivation_equals_the_closed_form(
     boundary: str, links: int, inertia: str
 ) -> None:
@@ -70,7 +71,7 @@ def test_every_term_is_proven_where_it_is_alone(boundary: str, term: str) -> Non
         assert names == {"M", "Q", "K", "joints", name}
 
 
-@cases("boundary, links, inertia", BOUNDARIES, (1, 20), inertia.INERTIAS, where=can_move)
+@cases("boundary, links, inertia", BOUNDARIES, (1, 20), INERTIAS, where=can_move)
 def test_rational_points_equal_the_closed_form(boundary: str, links: int, inertia: str) -> None:
     held = {c.name: c.entries for c in prove_at_points(links, boundary, inertia)}
     assert set(held) >= {"M", "Q", "F", "T", "A", "D_e"}
@@ -102,7 +103,7 @@ def test_polynomial_matrices_give_what_plain_lagranges_method_gives(
     assert (forcing - plain.forcing).applyfunc(simplify).is_zero_matrix
 
 
-@cases("links, inertia", (1, 2), inertia.INERTIAS)
+@cases("links, inertia", (1, 2), INERTIAS)
 def test_kinetic_energy_is_that_of_points_along_the_links(links: int, inertia: str) -> None:
     """Energy by integrating over each link directly, or by summing over the masses in the
     joints, without Calculus or collecting."""
@@ -190,7 +191,7 @@ def _wrong_root_damper(patch: pytest.MonkeyPatch) -> None:
 
 
 def _wrong_inertia(patch: pytest.MonkeyPatch) -> None:
-    patch.setitem(inertia.INERTIAS, "lumped", inertia.INERTIAS["uniform"])
+    patch.setitem(INERTIAS, "lumped", INERTIAS["uniform"])
 
 
 def _wrong_law(patch: pytest.MonkeyPatch) -> None:
@@ -252,13 +253,13 @@ def test_wrong_sums_along_the_chain_are_caught(
 
 def test_scene_and_derivation_offer_the_same() -> None:
     """Laws and rows stand apart, since a scene is read without SymPy: they go together."""
-    assert tuple(inertia.INERTIAS) == tuple(rod.INERTIAS)
+    assert tuple(INERTIAS) == tuple(rod.INERTIAS)
     kinds = {
         terms.FORCE: PointForce,
         terms.WEIGHT: MassForce,
         terms.DAMPER: JointMoment,
         terms.DRAG: JointDrag,
-        terms.ANCHOR: (JointAnchor, LinkAnchor),
+        terms.ANCHOR: (Foundation, Supports),
         terms.SPREAD: LinkForce,
     }
     for term, row in terms.TERMS.items():

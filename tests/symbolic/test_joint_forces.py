@@ -10,10 +10,9 @@ from sympy import S, diff, zeros
 
 from rodgen.derive import joint_force_system, tensions
 from rodgen.derive.general import GeneralEquations
-from rodgen.derive.inertia import INERTIAS
 from rodgen.derive.joint_force_system import JointForceSystem, joint_system
 from rodgen.derive.joint_system import BlockSystem, joint_ax, pull_x
-from rodgen.derive.link_properties import Rod
+from rodgen.derive.link_properties import INERTIAS, Rod
 from rodgen.derive.loads import TERMS
 from rodgen.derive.proofs import DisagreementError
 from rodgen.derive.proofs import joint_force_proof as proof_joint_forces

@@ -23,8 +23,8 @@ from tests.palette import cases
 SIZE = Symbol("side_force", real=True)
 EACH = IndexedBase("side_pull", real=True)
 PARAMETERS = (
-    Parameter(name="side_force", key="force", label="side force", description="at a point"),
-    Parameter(name="side_pull", key="pull", label="side pull", description="", each=LINKS),
+    Parameter("side_force", "force", "side force", "", "", "at a point"),
+    Parameter("side_pull", "pull", "side pull", "", "", "", each=LINKS),
 )
 POINTS = MappingProxyType(
     {
@@ -70,11 +70,12 @@ def give(monkeypatch: pytest.MonkeyPatch) -> Give:
                 return LAWS[law](angle)
 
         row = terms.Term(
-            name="side_load",
-            table="side",
-            kind=terms.FORCE if place in POINTS else terms.SPREAD,
-            label="side load",
-            description="a force",
+            "side_load",
+            "side",
+            "side load",
+            "",
+            terms.FORCE if place in POINTS else terms.SPREAD,
+            "a force",
             parameters=PARAMETERS[: 1 if place in POINTS else 2],
         )
         monkeypatch.setitem(terms.TERMS, "side_load", row)

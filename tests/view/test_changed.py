@@ -10,7 +10,8 @@ import pytest
 
 from rodgen.integrate import Solution
 from rodgen.integrate.files.checksums import NO_STATS
-from rodgen.integrate.files.reader import Excerpt
+from rodgen.integrate.files.reader import solution_of
+from rodgen.integrate.files.result_file import ResultFile
 from rodgen.integrate.trajectory import Changes
 from rodgen.scene import Scene
 from rodgen.show.animation.film import animate, write_film
@@ -80,8 +81,11 @@ def test_rod_that_gets_longer_and_had_no_stiffness(swinging: Solution) -> None:
 def test_film_of_the_file_is_that_of_the_run(changed: Solution, tmp_path: Path) -> None:
     animate(changed, tmp_path / "run.gif", **SMALL)
     changed.save(tmp_path / "run.nc")
-    stored = Excerpt(tmp_path / "run.nc")
-    write_film(stored.t, stored.read, tmp_path / "file.gif", FilmSettings(**SMALL))
+    settings = FilmSettings(**SMALL)
+    planned = plan_frames(changed.t, settings)
+    with ResultFile(tmp_path / "run.nc") as file:
+        some = solution_of(file, file.samples()[0], planned.kept)
+    write_film(some, planned, tmp_path / "file.gif", settings)
     content = (tmp_path / "run.gif").read_bytes()
     assert (tmp_path / "file.gif").read_bytes() == content
     changed.changes = None

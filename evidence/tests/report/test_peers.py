@@ -14,7 +14,7 @@ import pytest
 
 import rodgen
 from rodgen.analyse.precision.contestant import NotModelledError
-from rodgen.analyse.precision.job import Job, split_job
+from rodgen.analyse.precision.job import Job
 from rodgen_evidence.report.cases import cases, rod
 from rodgen_evidence.report.costs.rod import THRUST, built, packed
 from rodgen_evidence.report.peers import FAMILIES, LIBRARIES, RATES, chain, family, loads, peer
@@ -99,7 +99,7 @@ def test_expressions_without_conditions() -> None:
 
 def test_stretches_hold_every_sample_once() -> None:
     given = job("free", "uniform", LOADS | {"tip": {"x": "max(t - 0.0613, 0)"}})
-    found = split_job(given)
+    found = given.stretches
     sampled = np.concatenate([one.times[: one.samples] for one in found])
     assert sampled == pytest.approx(given.sample_times[1:], abs=1e-15)
     assert [one.last for one in found] == pytest.approx([0.0613, 0.1, 0.2])

@@ -15,7 +15,7 @@ from sympy import (
     sin,
 )
 
-from rodgen.derive import inertia
+from rodgen.derive import link_properties
 from rodgen.derive.loads import LOADS
 from rodgen.derive.loads.follower import Follower
 from rodgen_evidence.thesis.audit.audit import equation_claims
@@ -182,7 +182,7 @@ def test_verdicts_follow_the_truth(monkeypatch: pytest.MonkeyPatch, other_truth:
 
 def test_another_inertia_is_noticed(monkeypatch: pytest.MonkeyPatch, other_truth: None) -> None:
     """With half the mass of a link at each end, 1/3 is wrong, and what has no 1/3 stays right."""
-    monkeypatch.setitem(inertia.INERTIAS, "uniform", inertia.INERTIAS["lumped"])
+    monkeypatch.setitem(link_properties.INERTIAS, "uniform", link_properties.INERTIAS["lumped"])
     for number in ("2.10", "2.13", "2.15"):
         with pytest.raises(JudgementError, match="differs"):
             judge(claim(number))

@@ -18,7 +18,7 @@ from rodgen.analyse.eigenvalue_check import (
 from rodgen.analyse.load_family import BASIS, HIGHEST, LoadFamily, load_family
 from rodgen.analyse.load_search import LoadSearch, StabilityChange, load_grid
 from rodgen.analyse.modal import DIVERGENCE, FLUTTER, MOST_DENSE, rounding_growth
-from rodgen.analyse.onset import At, Onset, format_with_error, solve_onset
+from rodgen.analyse.onset import At, Onset, solve_onset
 from rodgen.analyse.pencil import BlockPencil, DensePencil
 from rodgen.analyse.ranges import Bounds, OpenBounds, check_open_bounds
 from rodgen.analyse.scaled_load import (
@@ -34,7 +34,17 @@ from rodgen.analyse.state_result import TIME, StateResult
 from rodgen.analyse.zero_onset import solve_zero_onset
 from rodgen.display import Plottable
 from rodgen.errors import AnalysisError, InputError
-from rodgen.result import ASKED, USUAL, WORD, Note, Row, doubt, omit_from_tables, remarks
+from rodgen.result import (
+    ASKED,
+    USUAL,
+    WORD,
+    Note,
+    Row,
+    doubt,
+    format_with_error,
+    omit_from_tables,
+    remarks,
+)
 from rodgen.scene import Scene
 from rodgen.scene.mesh import mesh_notes
 from rodgen.scene.plain_tables import is_number
@@ -110,20 +120,14 @@ class Critical(StateResult, Plottable):
 
     ROWS = (
         Row("load", "load", text=lambda found: label_of(found.load)),
-        Row("value", "critical load", UNIT, text=lambda found: found._value, kept=USUAL),
+        Row("value", "critical load", UNIT, kept=USUAL, error="error"),
         Row("unit", "unit", text=omit_from_tables),
         Row("load_parameter", "load parameter", text=lambda found: found._parameter, kept=USUAL),
         Row("stiffness", "EI in it", "N m^2", text=lambda found: found._stiffness),
-        Row("applied", "load of the scene", UNIT, text=lambda found: found._applied_text),
-        Row("load_ratio", "load ratio", text=lambda found: found._ratio, kept=ASKED),
+        Row("applied", "load of the scene", UNIT, ".9g", missing="follows the motion"),
+        Row("load_ratio", "load ratio", "", ".6g", kept=ASKED, missing="not known"),
         Row("kind", "kind", text=lambda found: found._kind, kept=WORD),
-        Row(
-            "frequency",
-            "frequency at onset",
-            "Hz",
-            text=lambda found: found._frequency_text,
-            kept=USUAL,
-        ),
+        Row("frequency", "frequency at onset", "Hz", kept=USUAL, error="frequency_error"),
         Row("frequency_error", "error of the frequency", "Hz", text=omit_from_tables, kept=ASKED),
         Row("modes", "modes", text=lambda found: " and ".join(map(str, sorted({*found.modes})))),
         Row("error", "error, estimated", UNIT, ".1e", kept=USUAL),
@@ -162,10 +166,6 @@ class Critical(StateResult, Plottable):
         return () if term is None else tuple(one.name for one in term.size_parameters)
 
     @property
-    def _value(self) -> str:
-        return f"{format_with_error(self.value, self.error)} {self.unit}"
-
-    @property
     def _parameter(self) -> dict[str, str]:
         if self.load in GROUPS:  # it is the value
             return {}
@@ -181,22 +181,8 @@ class Critical(StateResult, Plottable):
         return f"{self.stiffness:.10g} N m^2, {what}"
 
     @property
-    def _applied_text(self) -> str:
-        if math.isnan(self.applied):
-            return "follows the motion"
-        return f"{self.applied:.9g} {self.unit}"
-
-    @property
-    def _ratio(self) -> str:
-        return "not known" if math.isnan(self.load_ratio) else f"{self.load_ratio:.6g}"
-
-    @property
     def _kind(self) -> str:
         return self.kind + ", where stability is regained" * (self.end == LOWER)
-
-    @property
-    def _frequency_text(self) -> str:
-        return f"{format_with_error(self.frequency, self.frequency_error)} Hz"
 
     @property
     def _range_text(self) -> str:

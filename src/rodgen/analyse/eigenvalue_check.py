@@ -17,6 +17,7 @@ from rodgen.analyse.modal import (
     ModalEquations,
     ModalMotions,
     condition_numbers,
+    growth_beyond_rounding,
     rounding_growth,
 )
 from rodgen.analyse.onset import Onset
@@ -46,8 +47,8 @@ class FullSpectrum:
     @classmethod
     def of(cls, dense: DensePencil, lowest: float) -> FullSpectrum:
         """Compute all eigenvalues; lowest: the lowest frequency of the rod [rad/s]."""
-        own = len(dense.K) - dense.added
-        squares = np.linalg.solve(dense.M[:own, :own], -dense.K[:own, :own])
+        own = dense.size - dense.added
+        squares = np.linalg.solve(dense.S2[:own, :own], -dense.S0[:own, :own])
         if not (dense.is_damped or dense.added):
             return cls.of_matrix(squares, lowest, squared=True)
         scale = np.full(own, np.sqrt(np.linalg.norm(squares)) or 1.0)
@@ -61,7 +62,7 @@ class FullSpectrum:
         """Compute all eigenvalues of a matrix; squared: those of the matrix are s^2."""
         z = np.linalg.eigvals(matrix).astype(complex)
         s = square_roots(z) if squared else z
-        growth = _growth_beyond_rounding(s, lowest)
+        growth = growth_beyond_rounding(s, lowest, ALIKE)
         grows = np.flatnonzero(growth)
         if len(grows):
             across = np.where(z.real < 0, np.abs(z.imag), np.abs(z)) if squared else z.real
@@ -76,7 +77,7 @@ class FullSpectrum:
         assert isinstance(linear, BlockPencil)
         turning = state.rigid_rotation if state.has_free_rotation else None
         found = nearest_eigenvalues(linear, s, NEAREST, turning)
-        return cls(found, _growth_beyond_rounding(found, family.lowest_frequency))
+        return cls(found, growth_beyond_rounding(found, family.lowest_frequency, ALIKE))
 
     @property
     def n_growing(self) -> int:
@@ -92,10 +93,6 @@ class FullSpectrum:
         if self.squared:
             error /= 2 * max(abs(near[0]), np.sqrt(error))
         return float(near[0].real) + error
-
-
-def _growth_beyond_rounding(s: Complex, lowest: float) -> Array:
-    return np.where(s.real > ALIKE * rounding_growth(s, lowest), s.real, 0.0)
 
 
 def _error_bounds(matrix: Array, z: Complex) -> Array:

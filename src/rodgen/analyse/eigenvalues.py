@@ -46,7 +46,7 @@ def all_eigenvalues(pencil: BlockPencil | DensePencil, turns: bool = False) -> E
     dense = pencil.to_dense()
     if dense.added:
         s, vectors = np.linalg.eig(first_order_matrix(*dense.parts, dense.added))
-        own = len(dense.K) - dense.added
+        own = dense.size - dense.added
         return _drop_zeros(_upper_half_plane(s.astype(complex), vectors[:own].astype(complex)))
     if isinstance(pencil, DensePencil):  # external damping, which leaves zeros of rigid motions
         return _drop_zeros(_solve_dense(dense, singular=True))
@@ -54,26 +54,26 @@ def all_eigenvalues(pencil: BlockPencil | DensePencil, turns: bool = False) -> E
         return _solve_dense(dense)
     # Virtual work on turning is s^2 (M turn) a: motions orthogonal to M turn are without it.
     turn = np.ones(pencil.n_moving)
-    basis = null_space((dense.M @ turn)[None])
+    basis = null_space((dense.S2 @ turn)[None])
     found = _solve_dense(dense.project(basis))
     angles, s = basis @ found.vectors, found.s
     pulls = [turn @ part @ angles for part in dense.parts]  # by K, C and M, on every motion
     pull = pulls[0] + s * pulls[1] + s * s * pulls[2]
-    return EigenSolution(s, angles - pull / (s * s * (turn @ dense.M @ turn)))
+    return EigenSolution(s, angles - pull / (s * s * (turn @ dense.S2 @ turn)))
 
 
 def _solve_dense(dense: DensePencil, singular: bool = False) -> EigenSolution:
     """Solve a dense pencil, by the inverse where K is regular: slow motions keep their digits."""
-    if not len(dense.K):
+    if not dense.size:
         return EigenSolution(np.zeros(0, dtype=complex), np.zeros((0, 0), dtype=complex))
     if not dense.is_damped:
-        squares, columns = np.linalg.eig(np.linalg.solve(dense.M, -dense.K))
+        squares, columns = np.linalg.eig(np.linalg.solve(dense.S2, -dense.S0))
         return EigenSolution(square_roots(squares), columns.astype(complex))
     if not singular:
         with suppress(np.linalg.LinAlgError):
-            inverse, vectors = _companion(dense.K, dense.C, dense.M)
+            inverse, vectors = _companion(dense.S0, dense.S1, dense.S2)
             return _upper_half_plane(1 / inverse, vectors)
-    return _upper_half_plane(*_companion(dense.M, dense.C, dense.K))
+    return _upper_half_plane(*_companion(dense.S2, dense.S1, dense.S0))
 
 
 def _companion(last: Array, middle: Array, first: Array) -> tuple[Complex, Complex]:
@@ -212,8 +212,8 @@ def lowest_shapes(pencil: BlockPencil, count: int, turning: Array | None) -> tup
 def all_shapes(dense: DensePencil) -> tuple[Array, Array]:
     """Compute squared frequencies [1/s^2], rising, and shapes (coordinates, k) of all motions
     without damping and without added states."""
-    own = len(dense.K) - dense.added
-    K, M = ((matrix + matrix.T)[:own, :own] / 2 for matrix in (dense.K, dense.M))
+    own = dense.size - dense.added
+    K, M = ((matrix + matrix.T)[:own, :own] / 2 for matrix in (dense.S0, dense.S2))
     squares, found = eigh(K, M)
     return squares, found
 

@@ -53,7 +53,7 @@ class ChainBalance:
     def dense_pencil(self) -> DensePencil:
         """Matrices of small undamped motions about this state."""
         dense = self.cells.to_dense()
-        return DensePencil(dense.K, np.zeros_like(dense.K), dense.M)
+        return DensePencil(dense.S0, np.zeros_like(dense.S0), dense.S2)
 
     def square_of_growth(self) -> float:
         """Square of the fastest growth of an undamped motion [1/s^2]; 0 where none grows, and for
@@ -67,7 +67,7 @@ class ChainBalance:
         determinant of the stiffness, which reveals odd changes only."""
         if len(self.residual) <= MOST_DENSE:
             dense = self.cells.to_dense()
-            return int((np.linalg.eigvals(np.linalg.solve(dense.M, -dense.K)).real > 0).sum())
+            return int((np.linalg.eigvals(np.linalg.solve(dense.S2, -dense.S0)).real > 0).sum())
         return determinant_sign(splu(to_sparse(self.cells.statics)))
 
 
@@ -248,7 +248,7 @@ class DenseBalance:
             by_rate[half:, half:] = np.eye(size - half)
         parts = -self.residual_jacobian, by_rate, inertia
         K, C, M = (self.basis.T @ part @ self.basis for part in parts)
-        return DensePencil(K, C, M, size - half)
+        return DensePencil(K, C, M, added=size - half)
 
     def square_of_growth(self) -> float:
         """Square of the fastest growth of an undamped motion [1/s^2]; 0 beyond MOST_DENSE links."""
@@ -272,10 +272,10 @@ class DenseBalance:
 
 def _square_of_growth(small: DensePencil) -> float:
     """Square of the fastest growth [1/s^2], by the symmetric part of the stiffness."""
-    K = (small.K + small.K.T) / 2
+    K = (small.S0 + small.S0.T) / 2
     if not np.isfinite(K).all():
         return 0.0
-    lowest = eigvalsh(K, (small.M + small.M.T) / 2, subset_by_index=[0, 0])[0]
+    lowest = eigvalsh(K, (small.S2 + small.S2.T) / 2, subset_by_index=[0, 0])[0]
     return max(0.0, -float(lowest))
 
 

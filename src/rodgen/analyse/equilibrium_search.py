@@ -77,15 +77,6 @@ def check_imperfection(imperfection: float) -> float:
     return float(size)
 
 
-def start_unknowns(rod: SteadyRod, phi: Array) -> Unknowns:
-    """Rod from which an equilibrium is looked for: its added states at rest, or as at the start of
-    the scene where they do not come to rest."""
-    try:
-        return rod.unknowns_at_rest(phi)
-    except AnalysisError:
-        return rod.start_unknowns(phi)
-
-
 def _find_rest(rod: SteadyRod, p: Array, bend: float) -> tuple[Iterate, tuple[float, ...]]:
     if _is_hanging(rod, p):
         return _hang_and_load(rod, p)
@@ -169,7 +160,8 @@ def _load_straight_rod(rod: SteadyRod, p: Array, bend: float) -> tuple[Iterate, 
     shape (of springs at rest none, where it is straight) while the load grows; they are taken away
     under the whole load."""
     growing = _load_ramp(p, (place for place, _ in _growing_parameters(rod)))
-    rest = Iterate(_bend_rod(rod, start_unknowns(rod, rod.straight_angles), growing(0.0), bend))
+    straight = rod.unknowns_at_rest(rod.straight_angles, strict=False)
+    rest = Iterate(_bend_rod(rod, straight, growing(0.0), bend))
     moments = Loading(growing(0.0)).equations(rod, rest).residual
     if not moments.any():
         return follow_branch(rod, rest, lambda done: Loading(growing(done)))
@@ -200,7 +192,8 @@ def _hang(rod: SteadyRod, p: Array) -> Iterate:
     """Find a hanging equilibrium: from the shape without weight, along the dead loads, by Newton's
     method on the equations with inertia, M (phi - phi before) / tau^2; steps in this pseudo-time
     lead to stable equilibria alone."""
-    rest = Iterate(start_unknowns(rod, hanging_shape(rod, p, _dead_load(rod, p))))
+    shape = hanging_shape(rod, p, _dead_load(rod, p))
+    rest = Iterate(rod.unknowns_at_rest(shape, strict=False))
     first = 0.0
     while rest.iterations < 100 * ITERATIONS:
         here = Loading(p).equations(rod, rest)
@@ -226,7 +219,7 @@ def _hang(rod: SteadyRod, p: Array) -> Iterate:
 def _dead_load(rod: SteadyRod, p: Array) -> Array:
     """Sum of the dead loads on the straight rod (2,) [N]. Raises AnalysisError where there are
     none."""
-    y = rod.state_at_rest(start_unknowns(rod, rod.straight_angles))
+    y = rod.state_at_rest(rod.unknowns_at_rest(rod.straight_angles, strict=False))
     acting = rod.model.forces(rod.t, y, p)
     places, pull = rod.scene.structure.slices, np.zeros(2)
     for term in map(TERMS.__getitem__, rod.scene.loads.terms):

@@ -2,24 +2,26 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 from scipy.optimize import brentq
 
-from rodgen.analyse.onset import format_with_error
 from rodgen.arrays import Array
 from rodgen.errors import AnalysisError, InputError
 from rodgen.result import Note, Result, Row, doubt, warns_of_doubts
 from rodgen.scene import Scene
-from rodgen.scene.mesh import find_unlike_damping
+from rodgen.scene.mesh import mesh_dependent_values
 
 HIGHEST = 50.0  # order that is looked for
 WHOLE = 0.15  # an observed order is taken for a whole number within this: by then the next term
 # of an expansion in whole powers has become a small part of the leading one
 SECOND = 0.4  # the same for the exponent after it, which is 1 or 2 more
 SAFETY = 2.0  # the next term, which the estimate knows, is followed by others
+SAME = 1e-9  # relative: what two ways to write one and the same damping differ by
 ROUNDING = 4 * np.finfo(float).eps  # relative, of a value that is given
 
 
@@ -48,7 +50,7 @@ class Extrapolation(Result):
     notes: tuple[Note, ...] = ()
 
     ROWS = (
-        Row("value", "value", text=lambda found: format_with_error(found.value, found.error)),
+        Row("value", "value", error="error"),
         Row("error", "error, estimated", format=".1e"),
         Row("order", "order", format=".4g"),
         Row("orders", "orders observed", format=".4g"),
@@ -144,6 +146,27 @@ def _link_counts(
         return links, ()
     text = f"{' and '.join(unlike)}: not the same damping for every number of links"
     return links, (doubt(f"{text}; take Scene.with_links"),)
+
+
+def find_unlike_damping(scenes: Sequence[Scene]) -> list[str]:
+    """Fields by which scenes of different numbers of links do not have the damping of one and the
+    same rod."""
+    known = [
+        {
+            one.field: one.after_refinement(1 / s.rod.links) - one.even
+            for one in mesh_dependent_values(s)
+        }
+        for s in scenes
+    ]
+    fields = dict.fromkeys(field for values in known for field in values)
+    return [
+        field
+        for field in fields
+        if any(
+            not math.isclose(a.get(field, 0.0), b.get(field, 0.0), rel_tol=SAME)
+            for a, b in pairwise(known)
+        )
+    ]
 
 
 def _check_values(

@@ -81,7 +81,7 @@ class LoadFamily:
         terms = None
         if first.terms is not None and last.terms is not None:
             terms = abs(1 - x) * first.terms + abs(x) * last.terms
-        return DensePencil(K, C, M, first.added, terms)
+        return DensePencil(K, C, M, terms, first.added)
 
     def without_rotation(self, force: float) -> BlockPencil | MatrixPencil:
         """Linearised equations without external damping and without rigid rotation; with supports,
@@ -260,7 +260,7 @@ class LoadFamily:
     @cached_property
     def _n_added_states(self) -> int:
         """Number of added states."""
-        return len(self.rod.system.extra_states)
+        return len(self.rod.system.structure.state_names)
 
     def _project(self, force: float, modes: int) -> DensePencil:
         """Project the linearised equations on ``modes`` modes of the unloaded rod."""
@@ -280,7 +280,7 @@ class LoadFamily:
             first, last = (self.dense_pencil(P).parts for P in (0.0, far))
             x = force / far
             K, C, M = (a + x * (b - a) for a, b in zip(first, last, strict=True))
-            return DensePencil(K, C, M, self._n_added_states)
+            return DensePencil(K, C, M, added=self._n_added_states)
         if force not in self._dense:
             while len(self._dense) > KEPT:
                 self._dense.pop(next(iter(self._dense)))

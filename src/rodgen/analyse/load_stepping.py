@@ -196,7 +196,7 @@ def _largest_angle_difference(one: Unknowns, other: Unknowns) -> float:
 
 def _least_stiffness(here: Balance) -> float:
     """Smallest singular value of the stiffness, zero at a fold."""
-    return float(np.linalg.svd(here.dense_pencil().K, compute_uv=False).min(initial=np.inf))
+    return float(np.linalg.svd(here.dense_pencil().S0, compute_uv=False).min(initial=np.inf))
 
 
 def _largest(values: Array) -> float:

@@ -56,7 +56,7 @@ def check_analysis_memory(
     analysis: of SIZES; whole: whether all equations are full in any case; count: of modes, or of
     tangents, 0 for all; few: links up to which all modes are computed.
     """
-    size, states, structure = SIZES[analysis], len(system.extra_states), system.structure
+    size, states, structure = SIZES[analysis], len(system.structure.state_names), system.structure
     anchored = any(TERMS[name].kind == ANCHOR for name in structure.loads)
     full = whole or bool(states or structure.has_feedback or anchored)
 

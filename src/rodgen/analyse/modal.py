@@ -95,10 +95,7 @@ class ModalEquations:
 
     def _undamped_motions(self) -> ModalMotions:
         s = square_roots(np.linalg.eigvals(np.linalg.solve(self.M, -self.K)))
-        return ModalMotions(s, self._growth_beyond_rounding(s))
-
-    def _growth_beyond_rounding(self, s: Complex) -> Array:
-        return np.where(s.real > rounding_growth(s, self.frequencies.min()), s.real, 0.0)
+        return ModalMotions(s, growth_beyond_rounding(s, self.frequencies.min()))
 
     def _weakly_damped_motions(self) -> ModalMotions:
         """First-order effect of damping: s = +-s0 - (y C x)/(2 y M x), with undamped s0, x, y."""
@@ -107,7 +104,7 @@ class ModalEquations:
         change = -np.einsum("fki,fij,fjk->fk", y, drag, x) / 2
         terms = np.einsum("fki,fij,fjk->fk", np.abs(y), np.abs(drag), np.abs(x)) / 2
         s = square_roots(squares)
-        grown = self._growth_beyond_rounding(s)
+        grown = growth_beyond_rounding(s, self.frequencies.min())
         small = np.where(change.real > CANCELLED * terms, change.real, 0.0)
         shrunk = np.where(grown > 0, -grown, small)
         pairs = np.concatenate((s + change, -s + change), axis=-1)
@@ -218,6 +215,11 @@ def _invert(stack: NDArray[Any]) -> NDArray[Any]:
 def rounding_growth(s: Complex | complex, lowest: float) -> Array:
     """Growth [1/s] that may be rounding, of eigenvalues s; lowest: the lowest frequency [rad/s]."""
     return np.asarray(GROWS * lowest + MET * np.abs(s))
+
+
+def growth_beyond_rounding(s: Complex, lowest: float, times: float = 1.0) -> Array:
+    """Real parts of eigenvalues s that are more than so many times rounding, else 0."""
+    return np.where(s.real > times * rounding_growth(s, lowest), s.real, 0.0)
 
 
 def growing_eigenvalue(grown: Complex, other: Complex) -> complex:

@@ -20,7 +20,6 @@ SMALL = 1e-7  # relative change below which one that no longer shrinks is roundi
 ROUNDED = 8.0  # times what rounding makes, within which a change that no longer shrinks is rounding
 APART = 0.05  # by which an estimate may be wrong
 ENTRY = 16 * ROUNDING  # of an entry of the matrices, which a few operations make
-DIGITS = (3, 12)  # the least and the most that are printed of a load
 
 
 @dataclass(frozen=True)
@@ -44,15 +43,6 @@ def solve_onset(at: At, near: Onset, unit: float, linear: bool = False) -> Onset
     return Onset(values[0], 1j * values[1], *errors)
 
 
-def format_with_error(value: float, error: float) -> str:
-    """Format a value with the digits that an error leaves, twelve at most."""
-    least, most = DIGITS
-    if not value or not error:
-        return f"{value:.{most}g}"
-    known = int(np.floor(np.log10(abs(value) / error)))
-    return f"{value:.{min(max(known, least), most)}g}"
-
-
 def no_onset_message(force: float) -> str:
     return f"Newton's method found no onset of instability within {APART:.0%} of {force:.9g} N"
 
@@ -68,8 +58,9 @@ class _OnsetEquations:
         self.kind = crossing_kind(bool(omega), bool(omega) and whole.is_damped)
         # Entries of full matrices are sums of many rounded terms, of which the sizes are known or
         # not.
-        known = whole.terms is not None if isinstance(whole, DensePencil) else False
-        terms = whole.size ** (1 if known else 2) if isinstance(whole, DensePencil) else 1
+        terms = 1
+        if isinstance(whole, DensePencil):
+            terms = whole.size ** (2 if whole.terms is None else 1)
         self.entry = ENTRY * terms
         here = MatrixPencil.of(whole)
         self.scales = here.equilibration(omega)

@@ -133,12 +133,15 @@ class QuadraticPencil:
 
     @property
     def damping(self) -> float:
-        """Size of S1 in comparison with S0 and S2."""
-        return _relative_damping(*self.parts)
+        """Largest entry of S1 over the geometric mean of those of S0 and S2."""
+        if not self.S1.size or not (most := float(abs(self.S1).max())):
+            return 0.0
+        usual = float(np.sqrt(abs(self.S0).max() * abs(self.S2).max()))
+        return most / usual if usual else np.inf
 
     @property
     def is_damped(self) -> bool:
-        """Whether forces depend on rates."""
+        """Whether forces depend on rates, beyond rounding."""
         return self.damping > NO_DRAG
 
     def at(self, s: complex) -> Any:
@@ -202,53 +205,6 @@ class BlockPencil(QuadraticPencil):
         return DensePencil(K, C, M)
 
 
-@dataclass(frozen=True)
-class DensePencil:
-    """Dense pencil (K + s C + s^2 M) q = 0 with matrices (k, k). added: number of the last rows, of
-    first order, for added states; terms: sums of absolute terms of the entries of K, where these
-    cancel."""
-
-    K: Matrix
-    C: Matrix
-    M: Matrix
-    added: int = 0
-    terms: Matrix | None = None
-
-    @property
-    def damping(self) -> float:
-        """Size of C in comparison with K and M."""
-        return _relative_damping(*self.parts)
-
-    @property
-    def is_damped(self) -> bool:
-        """Whether forces depend on rates, beyond rounding."""
-        return self.damping > NO_DRAG
-
-    def at(self, s: complex) -> Matrix:
-        """K + s C + s^2 M."""
-        return self.K + s * self.C + s * s * self.M
-
-    @property
-    def size(self) -> int:
-        """Number of unknowns."""
-        return len(self.K)
-
-    @property
-    def parts(self) -> tuple[Matrix, Matrix, Matrix]:
-        """K, C and M."""
-        return self.K, self.C, self.M
-
-    def to_dense(self) -> DensePencil:
-        """Itself: there are no joint forces to eliminate."""
-        return self
-
-    def project(self, basis: Matrix) -> DensePencil:
-        """Project on motions q = basis times coordinates."""
-        whole = block_diag(basis, np.eye(self.added)) if self.added else basis
-        K, C, M = (whole.T @ matrix @ whole for matrix in self.parts)
-        return DensePencil(K, C, M, self.added)
-
-
 def first_order_matrix(K: Matrix, C: Matrix, M: Matrix, added: int) -> Matrix:
     """Assemble the matrices (..., 2 k + added) of the rates of (q, q', z), with added states z."""
     k = K.shape[-1] - added
@@ -263,7 +219,8 @@ def first_order_matrix(K: Matrix, C: Matrix, M: Matrix, added: int) -> Matrix:
 
 @dataclass(frozen=True)
 class MatrixPencil(QuadraticPencil):
-    """Pencil of matrices S0, S1 and S2, dense or sparse; terms: as of DensePencil, of S0."""
+    """Pencil of matrices S0, S1 and S2, dense or sparse. terms: sums of absolute terms of the
+    entries of S0, where these cancel."""
 
     terms: Any = None
 
@@ -272,9 +229,7 @@ class MatrixPencil(QuadraticPencil):
         """Convert linearised equations of any kind."""
         if isinstance(linear, MatrixPencil):
             return linear
-        if isinstance(linear, BlockPencil):
-            return cls(*map(_to_full if linear.size <= SMALL else to_sparse, linear.parts))
-        return cls(*linear.parts, linear.terms)
+        return cls(*map(_to_full if linear.size <= SMALL else to_sparse, linear.parts))
 
     @classmethod
     def without_rotation(cls, pencil: BlockPencil, turning: Array) -> MatrixPencil:
@@ -323,15 +278,30 @@ class MatrixPencil(QuadraticPencil):
         return MatrixPencil(S0, S1, S2, terms)
 
 
-Linear = BlockPencil | DensePencil | MatrixPencil
+@dataclass(frozen=True)
+class DensePencil(MatrixPencil):
+    """Pencil of stiffness K, damping C and mass M, (K + s C + s^2 M) q = 0, with matrices (k, k).
+    added: number of the last rows, of first order, for added states."""
+
+    added: int = 0
+
+    @property
+    def size(self) -> int:
+        """Number of unknowns."""
+        return len(self.S0)
+
+    def to_dense(self) -> DensePencil:
+        """Itself: there are no joint forces to eliminate."""
+        return self
+
+    def project(self, basis: Matrix) -> DensePencil:
+        """Project on motions q = basis times coordinates."""
+        whole = block_diag(basis, np.eye(self.added)) if self.added else basis
+        K, C, M = (whole.T @ matrix @ whole for matrix in self.parts)
+        return DensePencil(K, C, M, added=self.added)
 
 
-def _relative_damping(stiff: Any, drag: Any, inertia: Any) -> float:
-    """Largest entry of ``drag`` over the geometric mean of those of the others."""
-    if not drag.size or not (most := float(abs(drag).max())):
-        return 0.0
-    usual = float(np.sqrt(abs(stiff).max() * abs(inertia).max()))
-    return most / usual if usual else np.inf
+Linear = BlockPencil | MatrixPencil
 
 
 def _scale_matrix(part: Any, scales: Scales) -> Any:

@@ -5,7 +5,6 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 from rodgen.analyse.steady_rod import SteadyRod
-from rodgen.arrays import Array
 from rodgen.model.terms import TERMS
 from rodgen.system import ParameterLine, ParameterRange
 
@@ -14,7 +13,7 @@ LOADS = "loads.", "foundation.", "supports.", "rod.bending_stiffness"
 
 @dataclass(frozen=True)
 class RodRange:
-    """Range of a parameter; base: the rod at one of the values, or under all of its loads."""
+    """Rod along a range of numbers; base: at one of the values, or under all of its loads."""
 
     base: SteadyRod
     numbers: ParameterRange | ParameterLine
@@ -28,16 +27,6 @@ class RodRange:
         parts = {name: system.value(name) for name in names & system.structure.slices.keys()}
         return cls(rod, ParameterLine.of(system, parts))
 
-    @property
-    def bounds(self) -> tuple[float, float]:
-        """Both ends of the range."""
-        return self.numbers.bounds
-
-    @property
-    def unit(self) -> float:
-        """Width of the range."""
-        return self.numbers.unit
-
     def rod(self, value: float) -> SteadyRod:
         """Rod at a value. Raises AnalysisError where there is none."""
         numbers = self.numbers
@@ -46,12 +35,3 @@ class RodRange:
         if numbers.is_only_in_parameters and numbers.key.startswith(LOADS):
             return self.base  # its straight shape, and all else that is not in p, stays
         return replace(self.base, system=numbers.at(value))
-
-    def parameters(self, value: float) -> Array:
-        """Parameters p of the module at a value."""
-        return self.numbers.parameters(value)
-
-    def difference_points(self, value: float) -> list[tuple[Array, float]]:
-        """Parameters p beside a value, and the weight of each in a difference quotient by the value
-        over the range."""
-        return self.numbers.difference_points(value)

@@ -94,7 +94,7 @@ def instability(state: SteadyState) -> str | None:
 def _is_conservative(linear: DensePencil) -> bool:
     """Whether the forces of a linear system do no work around a loop, and those that depend on
     rates add no energy: more damping then makes nothing unstable (Thomson, Tait and Chetaev)."""
-    K, C, added = linear.K, (linear.C + linear.C.T) / 2, linear.added
+    K, C, added = linear.S0, (linear.S1 + linear.S1.T) / 2, linear.added
     if added or np.abs(K - K.T).max() > REAL * np.abs(K).max():
         return False
     return not C.any() or bool(np.linalg.eigvalsh(C).min() >= -REAL * np.abs(C).max())

@@ -8,7 +8,7 @@ import numpy as np
 
 from rodgen.analyse.analysis_guard import guard_analysis
 from rodgen.analyse.equilibrium_equations import free_directions
-from rodgen.analyse.equilibrium_search import check_imperfection, find_equilibrium, start_unknowns
+from rodgen.analyse.equilibrium_search import check_imperfection, find_equilibrium
 from rodgen.analyse.memory_needs import STATIC, check_analysis_memory
 from rodgen.analyse.modal import DIVERGENCE
 from rodgen.analyse.small_motions import instability
@@ -217,7 +217,7 @@ def equilibrium_of(
         iterations=iterations,
         stages=stages,
         instability=instability(state),
-        states=dict(zip(rod.system.extra_states, state.at.added.tolist(), strict=True)),
+        states=dict(zip(rod.system.structure.state_names, state.at.added.tolist(), strict=True)),
         imperfection=imperfection,
         system=rod.system,
     )
@@ -226,7 +226,7 @@ def equilibrium_of(
 def _check_support(rod: SteadyRod, p: Array) -> None:
     """Raise InputError for a free rod that nothing holds in place."""
     follows = rod.has_supports or rod.has_feedback  # else it need not be found out
-    start = start_unknowns(rod, rod.straight_angles)
+    start = rod.unknowns_at_rest(rod.straight_angles, strict=False)
     if not follows or len(free_directions(rod, start, p)) == rod.n_base:
         allowed = "clamped, cantilever or pinned: nothing holds a free rod in place without "
         allowed += "[[supports]], [foundation] or loads that follow its place"

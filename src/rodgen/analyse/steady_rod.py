@@ -154,7 +154,7 @@ class SteadyRod(HasInstant):
     @cached_property
     def has_feedback(self) -> bool:
         """Whether loads depend on the motion, or states are added."""
-        return self.system.structure.has_feedback or bool(self.system.extra_states)
+        return self.system.structure.has_feedback or bool(self.system.structure.state_names)
 
     @cached_property
     def is_chain(self) -> bool:
@@ -181,15 +181,18 @@ class SteadyRod(HasInstant):
         nothing, added = np.zeros((self.n_moving, 2)), start[2 * (self.n_base + self.n_moving) :]
         return Unknowns(phi, nothing, start[: self.n_base] * counts, added)
 
-    def unknowns_at_rest(self, phi: Array) -> Unknowns:
-        """Unknowns for these angles, with added states at rest. Raises AnalysisError where they do
-        not come to rest."""
+    def unknowns_at_rest(self, phi: Array, strict: bool = True) -> Unknowns:
+        """Unknowns for these angles, with added states at rest. Where these do not come to rest,
+        they are as at the start; strict: raise AnalysisError instead."""
         at = self.start_unknowns(phi)
-        return (
-            at._replace(added=self._solve_added_states(self.state_at_rest(at)))
-            if len(at.added)
-            else at
-        )
+        if not len(at.added):
+            return at
+        try:
+            return at._replace(added=self._solve_added_states(self.state_at_rest(at)))
+        except AnalysisError:
+            if strict:
+                raise
+            return at
 
     @cached_property
     def straight_unknowns(self) -> Unknowns:
@@ -199,7 +202,7 @@ class SteadyRod(HasInstant):
     def state_at_rest(self, at: Unknowns) -> Array:
         """State y (states,) without velocities."""
         base, half = self.n_base, self.n_base + self.n_moving
-        y = np.zeros(2 * half + len(self.system.extra_states))
+        y = np.zeros(2 * half + len(self.system.structure.state_names))
         y[:base], y[base:half], y[2 * half :] = at.position, at.phi, at.added
         return y
 
@@ -217,7 +220,7 @@ class SteadyRod(HasInstant):
             sizes = np.abs(J) @ np.abs(y) + np.abs(y[first:])
             if (np.abs(rates) <= STILL * sizes).all() and (np.abs(change) <= STILL).all():
                 return y[first:]
-        names = ", ".join(f"states.{name}" for name in self.system.extra_states)
+        names = ", ".join(f"states.{name}" for name in self.system.structure.state_names)
         raise AnalysisError(f"{names} do not come to rest beside a rod that does not move")
 
     def state_in_flight(self, at: Unknowns, across: float = 0.0) -> Array:

@@ -224,14 +224,14 @@ def _project_jacobian(J: Array, mass: Array, ways: Array) -> DensePencil:
     M, added = ways.T @ mass @ ways, len(own)
     terms = np.abs(ways.T) @ np.abs(mass) @ np.abs(rod[:, :half] @ ways)
     if not added:
-        return DensePencil(K, C, M, terms=terms)
+        return DensePencil(K, C, M, terms)
     lower = -own[:, :half] @ ways, -own[:, half : 2 * half] @ ways
     return DensePencil(
         np.block([[K, by_added], [lower[0], -own[:, 2 * half :]]]),
         np.block([[C, np.zeros_like(by_added)], [lower[1], np.eye(added)]]),
         block_diag(M, np.zeros((added, added))),
-        added,
         np.block([[terms, np.abs(by_added)], [np.abs(lower[0]), np.abs(own[:, 2 * half :])]]),
+        added,
     )
 
 

@@ -7,6 +7,7 @@ import time
 from collections.abc import Callable
 from dataclasses import asdict, dataclass
 
+from rodgen.derive.comparison import Comparison
 from rodgen.loading import cache
 from rodgen.result import Result, ResultTable, Row
 from rodgen.scene.structure import Structure
@@ -14,15 +15,6 @@ from rodgen.scene.structure import Structure
 # Links of the chain in which accelerations by joint forces are compared: every case is in it.
 MOST_JOINTS = 6
 MOST_EXPLICIT = 60  # links; beyond, the explicit step takes minutes
-
-
-@dataclass(frozen=True)
-class ProofEntry:
-    """A comparison that held: symbol of the matrix or load, how, and number of entries."""
-
-    name: str
-    how: str
-    entries: int
 
 
 WAYS = {
@@ -39,7 +31,7 @@ class Proof(Result):
     made earlier."""
 
     structure: Structure
-    comparisons: tuple[ProofEntry, ...]
+    comparisons: tuple[Comparison, ...]
     seconds: float
     kept: bool = False
 
@@ -74,7 +66,7 @@ class Proof(Result):
 def prove(
     structure: Structure,
     explicit: bool = False,
-    found: Callable[[ProofEntry], None] = lambda _: None,
+    found: Callable[[Comparison], None] = lambda _: None,
 ) -> Proof:
     """Prove the equations of a structure, or recall that they have been proven.
 
@@ -95,9 +87,9 @@ def prove(
     from rodgen.derive.proofs import comparisons  # SymPy is imported only where it is needed
 
     start, held = time.perf_counter(), []
-    for c in comparisons(*what):
-        held.append(ProofEntry(c.name, c.how, c.entries))
-        found(held[-1])
+    for comparison in comparisons(*what):
+        held.append(comparison)
+        found(comparison)
     proof = Proof(structure, tuple(held), time.perf_counter() - start)
     rows = [[h.name, h.how, h.entries] for h in proof.comparisons]
     cache.store_text(json.dumps({"held": rows, "seconds": proof.seconds}), *entry)
@@ -108,7 +100,7 @@ def _recall(structure: Structure, text: str | None) -> Proof | None:
     """A stored proof, or None where there is none that can be read."""
     try:
         record = json.loads(text or "")
-        rows = tuple(ProofEntry(str(n), str(how), int(count)) for n, how, count in record["held"])
+        rows = tuple(Comparison(str(n), str(how), int(count)) for n, how, count in record["held"])
         seconds = float(record["seconds"])
         return Proof(structure, rows, seconds, kept=True) if rows else None
     except (ValueError, KeyError, TypeError):

@@ -15,12 +15,12 @@ from sympy import Dummy, Indexed, IndexedBase, Symbol, lambdify
 
 from rodgen.derive.closed_form import Arithmetic, ClosedForm, LinkMasses, link_masses, link_sizes
 from rodgen.derive.loads import loads_of
-from rodgen.derive.loads.joint_anchor import JointAnchor
+from rodgen.derive.loads.foundation import Foundation
 from rodgen.derive.loads.joint_drag import JointDrag, JointMotion
 from rodgen.derive.loads.kinds import JointMoment, Load, MassForce
-from rodgen.derive.loads.link_anchor import LinkAnchor, LinkMotion
 from rodgen.derive.loads.link_force import LinkForce
 from rodgen.derive.loads.point_force import PointForce
+from rodgen.derive.loads.supports import LinkMotion, Supports
 from rodgen.derive.symbols import bend, k, l, m, n, phi
 from rodgen.emit.spring_expression import law_of
 from rodgen.loading.generated_module import structure_of
@@ -200,7 +200,7 @@ class ReferenceEquations:
             return {
                 s: self._joint_motion(load, s) for s in range(self.boundary.first_joint, self.n + 1)
             }
-        if isinstance(load, LinkAnchor):
+        if isinstance(load, Supports):
             return {q: self._link_motion(load, q) for q in range(self.boundary.first, self.n)}
         return {}
 
@@ -215,7 +215,7 @@ class ReferenceEquations:
         own = tuple(self.number[str(base)][s] for base in load.per_joint)
         return JointMotion(*v, mp.hypot(*v) or mpf(1), angle, share * self.m, own, *place)
 
-    def _link_motion(self, load: LinkAnchor, q: int) -> LinkMotion:
+    def _link_motion(self, load: Supports, q: int) -> LinkMotion:
         own = tuple(self.number[str(base)][q] for base in load.per_link)
         steps = self.closed.joint_step(q), self.closed.velocity_step(q, self.omega[q])
         starts = self.joints()[q], self._velocities[q]
@@ -345,7 +345,7 @@ class ReferenceEquations:
         for term, load in self.acting.items():
             if isinstance(load, JointDrag):
                 x, y = (self.force_values[base] for base in load.bases)
-            elif isinstance(load, LinkAnchor):
+            elif isinstance(load, Supports):
                 x, y, _ = (self.force_values[base] for base in load.force_arrays)
                 shares = self.number[str(load.share)]
                 x, y = (self._on_joints(of, shares) for of in (x, y))
@@ -385,7 +385,7 @@ class ReferenceEquations:
     def power(self) -> dict[str, Any]:
         power = {term: _dot(force, self.u) for term, force in self.loads().items()}
         for term, load in self.acting.items():
-            if isinstance(load, JointAnchor | LinkAnchor):  # of its dampers
+            if isinstance(load, Foundation | Supports):  # of its dampers
                 motions = self._motions(load).values()
                 forces = ((m, load.damper_by_hand(m, self.value, mp)) for m in motions)
                 power[term] = mp.fsum(_dot(force, m.velocity) for m, force in forces)
@@ -404,5 +404,5 @@ def _dot(a: Sequence[Any], b: Sequence[Any]) -> Any:
     return mp.fsum(x * y for x, y in zip(a, b, strict=True))
 
 
-def _add(a: Sequence[Any], b: Sequence[Any], factor: int = 1) -> list[Any]:
-    return [x + factor * y for x, y in zip(a, b, strict=True)]
+def _add(a: Sequence[Any], b: Sequence[Any]) -> list[Any]:
+    return [x + y for x, y in zip(a, b, strict=True)]

@@ -4,8 +4,7 @@ from __future__ import annotations
 
 import sys
 
-from rodgen.cli.error_reports import INTERRUPTED, report_errors
-from rodgen.cli.signals import end_within_libraries, resend_lost_ctrl_c
+from rodgen.cli.exits import INTERRUPTED, end_within_libraries, report_errors, resend_lost_ctrl_c
 
 
 def main() -> None:

@@ -8,9 +8,9 @@ from typing import Annotated
 import typer
 
 from rodgen.cli.console import err, out, show_run, show_work, warn
+from rodgen.cli.exits import treat_signals_as_ctrl_c
 from rodgen.cli.options import parse_bounds
 from rodgen.cli.result_folders import make_writable
-from rodgen.cli.signals import treat_signals_as_ctrl_c
 from rodgen.show.animation.frame_times import LEAST_PIXELS, MOST_PIXELS
 
 PIXELS = f"Number of pixels, even, from {LEAST_PIXELS} to {MOST_PIXELS}."
@@ -47,7 +47,9 @@ def animate(
     ] = False,
 ) -> None:
     """Draw the run in RESULT as a film: a GIF, or an MP4, which needs ffmpeg."""
-    from rodgen.integrate.files.reader import Excerpt
+    from rodgen.integrate.files.file_layout import native_copy
+    from rodgen.integrate.files.reader import solution_of
+    from rodgen.integrate.files.result_file import ResultFile
     from rodgen.loading import build_fastest
     from rodgen.show.animation.film import write_film
     from rodgen.show.animation.film_files import check_file
@@ -57,15 +59,18 @@ def animate(
     settings = FilmSettings(fps, speed, view, width, height, between)
     check_file(out_file, settings)
     make_writable(out_file.parent)  # before the frames are drawn, which takes long
-    stored = Excerpt(result, strict=not damaged)
-    for note in stored.notes:
+    with ResultFile(result, strict=not damaged) as file:
+        records, good = file.samples()
+        planned = plan_frames(native_copy(records["time"][good]), settings)
+        solution = solution_of(file, records, good[planned.kept])
+    for note in file.notes:
         warn(note)
-    times = plan_frames(stored.t, settings).times
     with show_work("generating"):
-        stored.model = build_fastest(stored.scene)
+        solution.model = build_fastest(solution.scene)
     treat_signals_as_ctrl_c()
+    times = planned.times
     with show_run(out_file.name, float(times[0]), float(times[-1])) as update:
-        made = write_film(stored.t, stored.read, out_file, settings, update)
+        made = write_film(solution, planned, out_file, settings, update)
     for note in made.notes:
         err.print(f"rodgen: {note}")
     taken = f"speed {made.speed:g}{'' if speed else ' (chosen)'}"

@@ -10,13 +10,14 @@ import re
 from collections.abc import Callable
 from importlib import import_module
 from importlib.metadata import EntryPoint, entry_points
+from inspect import getmembers, isfunction
 from pathlib import Path
 from pkgutil import iter_modules
 
 import typer
 
-from rodgen.cli.common_options import add_common_options
-from rodgen.cli.error_reports import BAD_INPUT, fail
+from rodgen.cli.exits import BAD_INPUT, fail
+from rodgen.cli.options import add_common_options
 
 GROUP = "rodgen.commands"
 EVIDENCE = ("report", "thesis", "audit")  # what evidence/ adds, where it is installed
@@ -35,8 +36,8 @@ def own_commands() -> dict[str, Callable[..., object]]:
     for file in iter_modules([str(Path(__file__).parent)]):
         if file.name.endswith("_command"):
             module = import_module(f"rodgen.cli.{file.name}")
-            for name, one in vars(module).items():
-                if getattr(one, "__module__", "") == module.__name__ and not name.startswith("_"):
+            for name, one in getmembers(module, isfunction):
+                if one.__module__ == module.__name__ and not name.startswith("_"):
                     found[name.replace("_", "-")] = one
     place = {name: number for number, name in enumerate(ORDER)}
     return dict(sorted(found.items(), key=lambda one: (place.get(one[0], len(place)), one[0])))

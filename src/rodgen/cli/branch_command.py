@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from rodgen.cli.console import check_finite
 from rodgen.cli.curve_options import find_start, follow_curve
 from rodgen.cli.options import (
     AsJson,
@@ -23,7 +22,6 @@ from rodgen.cli.options import (
     Vary,
     parse_both_bounds,
 )
-from rodgen.cli.result_folders import output_folder
 from rodgen.scene import Scene
 
 if TYPE_CHECKING:
@@ -82,7 +80,6 @@ def branch(
     from rodgen.analyse.branches import equilibrium_data
     from rodgen.analyse.branches.equilibrium_branch import continue_equilibria
 
-    check_finite("--t", t)
     between = parse_both_bounds(bounds)
     given: dict[str, Any] = {
         "start": start,
@@ -93,48 +90,40 @@ def branch(
         "t": t,
         "check_mesh": check_mesh,
     }
+    options = {"vary": vary, "switch": switch, **given, "bounds": between}
     file = None if as_json else out_folder / scene.name / f"{_file_stem(switch)}.nc"
-    command = {
-        "command": "branch",
-        "scene": scene.to_dict(),
-        "vary": vary,
-        "switch": switch,
-        **given,
-    }
-    command |= {"bounds": between}
-    going = find_start(resume, at, equilibrium_data.read, file, command)
-    given |= {"resume": going.curve, "at": going.at}
-    with output_folder(None if as_json else out_folder / scene.name) as folder:
+    begun = find_start("branch", scene, options, file, resume, at, equilibrium_data.read)
 
-        def follow(said: Callable[[str], None], switch: int | None) -> xarray.Dataset:
-            def report_value(value: float) -> None:
-                said(f"{vary} = {value:.6g}")
+    def follow(said: Callable[[str], None], switch: int | None = switch) -> xarray.Dataset:
+        return continue_equilibria(
+            scene,
+            vary,
+            between,
+            switch=switch,
+            resume=begun.curve,
+            at=begun.at,
+            watch=lambda value: said(f"{vary} = {value:.6g}"),
+            **given,
+        )
 
-            return continue_equilibria(
-                scene, vary, between, switch=switch, watch=report_value, **given
-            )
+    def draw_diagram(found: xarray.Dataset) -> Figure:
+        """Draw the branch, with the one that it leaves."""
+        from rodgen.show.branch_pictures import bifurcation_diagram
 
-        made = follow_curve("the branch", lambda said: follow(said, switch), going.journal)
-        found = made.data
-        name = _file_stem(found.attrs["switch"])  # 0 where Ctrl-C came before
-        written = file and folder / f"{name}.nc"
-        title = f"{scene.name}: branch along {vary}"
-        made.print_and_write(title, written, lambda: _draw_diagram(found, scene, follow))
-        made.exit_if_incomplete(written, file)
+        others = [follow(lambda _: None, None)] if found.attrs["switch"] else []
+        return bifurcation_diagram([*others, found], scene)
+
+    follow_curve(
+        "the branch",
+        f"{scene.name}: branch along {vary}",
+        file,
+        begun,
+        follow,
+        draw_diagram,
+        lambda found: _file_stem(found.attrs["switch"]),  # 0 where Ctrl-C came before
+    )
 
 
 def _file_stem(switch: int | None) -> str:
     """Stem of the files of a branch; switch: number of the branch point that it leaves."""
     return f"branch_{switch}" if switch else "branch"
-
-
-def _draw_diagram(
-    found: xarray.Dataset,
-    scene: Scene,
-    follow: Callable[[Callable[[str], None], int | None], xarray.Dataset],
-) -> Figure:
-    """Draw a branch, with the one that it leaves."""
-    from rodgen.show.branch_pictures import bifurcation_diagram
-
-    others = [follow(lambda text: None, None)] if found.attrs["switch"] else []
-    return bifurcation_diagram([*others, found], scene)

@@ -7,8 +7,8 @@ from typing import Annotated
 
 import typer
 
-from rodgen.cli.console import print_json, print_result, show_work
-from rodgen.cli.error_reports import DISPROVEN, fail
+from rodgen.cli.console import print_result, show_work
+from rodgen.cli.exits import DISPROVEN, fail
 from rodgen.cli.options import AsJson
 from rodgen.cli.result_folders import is_generated
 from rodgen.errors import InputError
@@ -31,9 +31,6 @@ def check(
     module = load_module(module_file)
     with show_work(f"comparing {module_file.name}"):
         found = check_module(module, seed=seed)
-    if as_json:
-        print_json(found.to_dict())
-    else:
-        print_result(f"{module_file.name} against hand-assembled equations", found)
+    print_result(f"{module_file.name} against hand-assembled equations", found, as_json)
     if not found.equal:
         fail(f"largest relative error {found.largest:.2e} is above {LIMIT:g}", DISPROVEN)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import math
 import warnings
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager, nullcontext
@@ -47,15 +46,6 @@ def has_pictures() -> bool:
     return _pictures.get()
 
 
-def check_finite(option: str, value: float | None) -> float | None:
-    """Return the value of an option; raises InputError for one that is not finite."""
-    from rodgen.errors import InputError
-
-    if value is not None and not math.isfinite(value):
-        raise InputError(option, value, "a finite number")
-    return value
-
-
 def warn(message: str) -> None:
     """Print a warning on standard error."""
     err.print(f"rodgen: warning: {message}")
@@ -85,9 +75,12 @@ def print_json(result: Mapping[str, Any]) -> None:
     print(json.dumps(result, allow_nan=False))
 
 
-def print_result(title: str, found: Result) -> None:
-    """Print the tables of a result under a title, after its remarks; doubts are printed as
-    warnings."""
+def print_result(title: str, found: Result, as_json: bool = False) -> None:
+    """Print a result: as JSON, or its tables under a title, after its remarks. Doubts are printed
+    as warnings."""
+    if as_json:
+        print_json(found.to_dict())
+        return
     for note in found.notes:
         if note.kind == "remark":
             out.print(f"note: {note}")

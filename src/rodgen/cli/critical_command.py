@@ -7,10 +7,9 @@ from typing import Annotated
 
 import typer
 
-from rodgen.cli.completion import complete_words
-from rodgen.cli.console import check_finite, show_work
-from rodgen.cli.error_reports import FAILED_RUN, fail
-from rodgen.cli.options import After, AsJson, AtTime, OutFolder, Speed, parse_bounds
+from rodgen.cli.console import show_work
+from rodgen.cli.exits import FAILED_RUN, fail
+from rodgen.cli.options import After, AsJson, AtTime, OutFolder, Speed, complete_words, parse_bounds
 from rodgen.cli.result_folders import delivery
 from rodgen.model.terms import TERMS
 from rodgen.scene import Scene
@@ -79,7 +78,6 @@ def critical(
     from rodgen.analyse.critical import critical_load
     from rodgen.analyse.scaled_load import label_of
 
-    check_finite("--t", t)
     between = parse_bounds(bounds) if bounds is not None else (None, None)
     with delivery(scene, out_folder, as_json) as deliver:
         with show_work("searching") as step:

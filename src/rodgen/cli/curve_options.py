@@ -1,5 +1,5 @@
 """Shared part of the commands that follow a curve: where they resume, what Ctrl-C and a kill leave,
-and how the curve ends."""
+how the curve ends, and what is printed, written and drawn of it."""
 
 from __future__ import annotations
 
@@ -9,18 +9,26 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from rodgen.cli.console import out, print_json, print_result, show_work, warn, write_picture
-from rodgen.cli.error_reports import FAILED_RUN, INTERRUPTED, fail
+from rodgen.cli.console import out, print_result, show_work, warn, write_picture
+from rodgen.cli.exits import (
+    FAILED_RUN,
+    INTERRUPTED,
+    call_at_end,
+    fail,
+    ignore_ctrl_c,
+    treat_signals_as_ctrl_c,
+)
 from rodgen.cli.options import LAST, point_number
-from rodgen.cli.signals import call_at_end, ignore_ctrl_c, treat_signals_as_ctrl_c
+from rodgen.cli.result_folders import output_folder
 from rodgen.dataset_result import DatasetResult
+from rodgen.errors import AnalysisError, BranchInterrupted, InputError
+from rodgen.scene import Scene
 
 if TYPE_CHECKING:
     import xarray
     from matplotlib.figure import Figure
 
     from rodgen.analyse.curves.journal import Journal
-    from rodgen.errors import InputError
 
 
 @dataclass(frozen=True)
@@ -34,27 +42,29 @@ class CurveStart:
 
 
 def find_start(
+    command: str,
+    scene: Scene,
+    options: Mapping[str, Any],
+    file: Path | None,
     resume: Path | None,
     at: int | None,
     read: Callable[[Path], xarray.Dataset],
-    file: Path | None,
-    command: Mapping[str, Any],
 ) -> CurveStart:
     """Find where a command begins by --resume: in its own steps, which a kill has left beside the
     file, else on the curve in the file of --resume.
 
-    command: all that its curve follows from. Raises InputError; also without --resume where steps
-    were left, which would be lost.
+    options: all that its curve follows from beside the scene; file: that of the curve, None where
+    none is written. Raises InputError; also without --resume where steps were left, which would be
+    lost.
     """
     from rodgen.analyse.curves.journal import Journal, identity, journal_path
-    from rodgen.errors import InputError
 
     number = point_number(resume, at, "--resume")
     if file is None:
         return CurveStart(None, None if resume is None else read(resume), number)
     path = journal_path(file)
     left = Journal.read(path)
-    own = identity({**command, "resume": None})
+    own = identity({"command": command, "scene": scene.to_dict(), **options, "resume": None})
     if resume is None:
         if left is not None:
             raise _lost_steps_error(path, file, left)
@@ -79,8 +89,6 @@ def find_start(
 
 def _lost_steps_error(path: Path, file: Path, left: Journal) -> InputError:
     """Error for steps of a stopped command, which would be lost."""
-    from rodgen.errors import InputError
-
     what = f"{left.n_unread} steps of a command that was stopped"
     allowed = f"given as {file}, with the options of then, or {path} away, which has {what}"
     return InputError("--resume", None, allowed)
@@ -88,67 +96,56 @@ def _lost_steps_error(path: Path, file: Path, left: Journal) -> InputError:
 
 def file_hash(file: Path) -> str:
     """Hash of the content of a file; raises InputError for one that cannot be read."""
-    from rodgen.errors import InputError
-
     try:
         return hashlib.sha256(file.read_bytes()).hexdigest()
     except OSError as error:
         raise InputError("file", str(file), f"one that can be read ({error.strerror})") from None
 
 
-@dataclass(frozen=True)
-class FollowedCurve:
-    """A followed curve, or as much of it as there was at Ctrl-C; what: its name in messages."""
-
-    what: str
-    data: xarray.Dataset
-    interrupted: bool = False
-    journal: Journal | None = None
-
-    def write(self, folder: Path, name: str, draw: Callable[[], Figure]) -> None:
-        """Write the file and, unless Ctrl-C came, the picture."""
-        from rodgen.analyse.curves.curve_files import save
-
-        save(self.data, folder / f"{name}.nc")
-        out.print(f"Written: {folder / name}.nc")
-        if not self.interrupted:
-            if self.journal is not None:
-                self.journal.discard()
-            write_picture(draw, folder, name)
-
-    def print_and_write(self, title: str, file: Path | None, draw: Callable[[], Figure]) -> None:
-        """Print the curve as JSON, or a table of it where it goes into a file, and write the file
-        and the picture."""
-        found = DatasetResult(self.data)
-        if file is None:
-            print_json(found.to_dict())
-        else:
-            print_result(title, found)
-            self.write(file.parent, file.stem, draw)
-
-    def exit_if_incomplete(self, file: Path | None, resume: Path | None = None) -> None:
-        """End with one line where Ctrl-C came, or where the curve ends too early. file: the one
-        that was written, if any; resume: the file to resume from, if another."""
-        if not self.interrupted:
-            if not self.data.attrs["complete"]:
-                why = f"{self.what} ends before it leaves the range: {self.data.attrs['end']}"
-                fail(why, FAILED_RUN)
-            return
-        count = self.data.sizes["point"]
-        kept = f"{count} point{'s' * (count > 1)} printed"
-        if file is not None:
-            kept = f"{count} point{'s' * (count > 1)} in {file}; --resume {resume or file} goes on"
-        fail(f"{self.what}: {self.data.attrs['end']}; {kept}", INTERRUPTED)
-
-
 def follow_curve(
     what: str,
+    title: str,
+    file: Path | None,
+    begun: CurveStart,
     follow: Callable[[Callable[[str], None]], xarray.Dataset],
-    journal: Journal | None = None,
-) -> FollowedCurve:
-    """Follow a curve by a function that takes a callback, which it tells of every point."""
+    draw: Callable[[xarray.Dataset], Figure] | None = None,
+    file_stem: Callable[[xarray.Dataset], str] | None = None,
+) -> None:
+    """Follow a curve and print it: as JSON, or where it goes into a file as a table, and write the
+    file and the picture. Ends with one line where Ctrl-C came, or where the curve ends too early.
+
+    what: its name in messages; follow: takes a callback, which it tells of every point; draw: by
+    default the picture that its Dataset has; file_stem: stem of the file that is written, by
+    default that of the file.
+    """
+    from rodgen.analyse.curves.curve_files import save
+
+    with output_folder(file and file.parent):
+        data, interrupted = _follow_to_end(what, begun.journal, follow)
+        print_result(title, DatasetResult(data), as_json=file is None)
+        count = data.sizes["point"]
+        kept = f"{count} point{'s' * (count > 1)} printed"
+        if file is not None:
+            written = file if file_stem is None else file.with_stem(file_stem(data))
+            kept = f"{count} point{'s' * (count > 1)} in {written}; --resume {file} goes on"
+            save(data, written)
+            out.print(f"Written: {written}")
+            if not interrupted:
+                _discard(begun.journal)
+                write_picture(lambda: (draw or _draw_dataset)(data), written.parent, written.stem)
+        if interrupted:
+            fail(f"{what}: {data.attrs['end']}; {kept}", INTERRUPTED)
+        if not data.attrs["complete"]:
+            fail(f"{what} ends before it leaves the range: {data.attrs['end']}", FAILED_RUN)
+
+
+def _follow_to_end(
+    what: str,
+    journal: Journal | None,
+    follow: Callable[[Callable[[str], None]], xarray.Dataset],
+) -> tuple[xarray.Dataset, bool]:
+    """Follow a curve; returns what there is of it in the end, and whether Ctrl-C came."""
     from rodgen.analyse.curves.journal import use_journal
-    from rodgen.errors import AnalysisError, BranchInterrupted, InputError
 
     treat_signals_as_ctrl_c()
 
@@ -159,11 +156,21 @@ def follow_curve(
 
     with show_work(f"following {what}") as said, use_journal(journal), call_at_end(resume_hint):
         try:
-            return FollowedCurve(what, follow(said), False, journal)
+            return follow(said), False
         except BranchInterrupted as error:
             ignore_ctrl_c()
-            return FollowedCurve(what, error.found, True, journal)
+            return error.found, True
         except (AnalysisError, InputError):  # as it would again
-            if journal is not None:
-                journal.discard()
+            _discard(journal)
             raise
+
+
+def _discard(journal: Journal | None) -> None:
+    if journal is not None:
+        journal.discard()
+
+
+def _draw_dataset(data: xarray.Dataset) -> Figure:
+    from rodgen.show.dataset_pictures import figure_of
+
+    return figure_of(data)

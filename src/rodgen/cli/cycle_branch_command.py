@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import Annotated, Any
 
 import typer
 
@@ -21,13 +21,8 @@ from rodgen.cli.options import (
     parse_both_bounds,
     point_number,
 )
-from rodgen.cli.result_folders import output_folder
 from rodgen.errors import InputError
 from rodgen.scene import Scene
-
-if TYPE_CHECKING:
-    import xarray
-    from matplotlib.figure import Figure
 
 CYCLES = "cycles"  # files of a branch
 
@@ -95,31 +90,22 @@ def cycle_branch(
     how |= {"step": step, "most": most, "check_mesh": check_mesh}
     name = CYCLES if switch is None else f"{CYCLES}_{switch}"
     file = None if as_json else out_folder / scene.name / f"{name}.nc"
-    command: dict[str, Any] = {"command": "cycle-branch", "scene": scene.to_dict(), "vary": vary}
-    command |= {"bounds": between, **how}
-    command |= {"start": file_hash(equilibria), "start_at": at} if equilibria else {"start": start}
-    going = find_start(resume, None if equilibria else at, read, file, command)
-    if going.curve is not None:
-        how |= {"resume": going.curve, "at": going.at}
+    options: dict[str, Any] = {"vary": vary, "bounds": between, **how}
+    options |= {"start": file_hash(equilibria), "start_at": at} if equilibria else {"start": start}
+    number = None if equilibria else at
+    begun = find_start("cycle-branch", scene, options, file, resume, number, read)
+    if begun.curve is not None:
+        how |= {"resume": begun.curve, "at": begun.at}
     elif equilibria:
         how |= {"start": read_equilibria(equilibria), "at": at}
     else:
         how["start"] = start
-    with output_folder(file and file.parent):
-        made = follow_curve(
-            "the branch of cycles",
-            lambda said: continue_cycles(
-                scene, vary, between, watch=lambda value: said(f"{vary} = {value:.6g}"), **how
-            ),
-            going.journal,
-        )
-        made.print_and_write(
-            f"{scene.name}: cycles along {vary}", file, lambda: _draw_amplitudes(made.data, scene)
-        )
-        made.exit_if_incomplete(file)
-
-
-def _draw_amplitudes(data: xarray.Dataset, scene: Scene) -> Figure:
-    from rodgen.show.cycle_pictures import cycle_branch_diagram
-
-    return cycle_branch_diagram(data, scene)
+    follow_curve(
+        "the branch of cycles",
+        f"{scene.name}: cycles along {vary}",
+        file,
+        begun,
+        lambda said: continue_cycles(
+            scene, vary, between, watch=lambda value: said(f"{vary} = {value:.6g}"), **how
+        ),
+    )

@@ -10,11 +10,9 @@ from typing import Annotated
 import typer
 
 from rodgen.check.proofs import MOST_EXPLICIT, Proof, prove
-from rodgen.cli.common_options import Changes, read_scene
-from rodgen.cli.completion import complete_list, complete_words
 from rodgen.cli.console import out, print_json, print_result, show_work
-from rodgen.cli.error_reports import DISPROVEN, fail
-from rodgen.cli.options import AsJson
+from rodgen.cli.exits import DISPROVEN, fail
+from rodgen.cli.options import AsJson, Changes, complete_list, complete_words, read_scene
 from rodgen.cli.result_folders import output_folder, unwritable_error
 from rodgen.emit.targets import FORMS, TARGETS, available_parts, check_output, required_parts
 from rodgen.errors import InputError, Missing

@@ -7,7 +7,7 @@ from typing import Annotated
 
 import typer
 
-from rodgen.cli.console import check_finite, show_work
+from rodgen.cli.console import show_work
 from rodgen.cli.options import After, AsJson, AtTime, OutFolder, Speed
 from rodgen.cli.result_folders import delivery
 from rodgen.scene import Scene
@@ -27,5 +27,5 @@ def modes(
 
     with delivery(scene, out_folder, as_json) as deliver:
         with show_work("linearising"):
-            found = natural_modes(scene, count, t=check_finite("--t", t), speed=speed, after=after)
+            found = natural_modes(scene, count, t=t, speed=speed, after=after)
         deliver("natural frequencies", found, {"modes": "shapes"})

@@ -6,11 +6,12 @@ import os
 import tempfile
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager, suppress
+from functools import partial
 from pathlib import Path
 
-from rodgen.cli.console import err, print_json, print_result, warn, write_picture
-from rodgen.cli.signals import call_at_end
-from rodgen.errors import InputError
+from rodgen.cli.console import err, print_result, warn, write_picture
+from rodgen.cli.exits import call_at_end
+from rodgen.errors import EmptyPictureError, InputError
 from rodgen.integrate.files.checkpoint import checkpoint_path
 from rodgen.integrate.files.checksums import RUNNING
 from rodgen.integrate.files.result_file import ResultFile, open_header
@@ -64,22 +65,16 @@ def delivery(scene: Scene, out_folder: Path, as_json: bool) -> Iterator[Callable
     with output_folder(None if as_json else out_folder / scene.name) as folder:
 
         def deliver(title: str, found: Result, pictures: Mapping[str, str]) -> None:
+            print_result(f"{scene.name}: {title}", found, as_json)
             if as_json:
-                print_json(found.to_dict())
                 return
-            print_result(f"{scene.name}: {title}", found)
+            from rodgen.show.appearance import figure_of  # with matplotlib
+
             for name, picture in pictures.items():
-                draw_picture(found, picture, folder, name)
+                with suppress(EmptyPictureError):
+                    write_picture(partial(figure_of, found, picture), folder, name)
 
         yield deliver
-
-
-def draw_picture(found: Result, picture: str, folder: Path, name: str) -> None:
-    """Draw a picture of a result into a folder, where there is something to draw."""
-    from rodgen.show.appearance import figure_of  # with matplotlib
-
-    with suppress(InputError):  # nothing of it can be drawn
-        write_picture(lambda: figure_of(found, picture), folder, name)
 
 
 def unwritable_error(folder: Path, error: OSError) -> InputError:

@@ -8,24 +8,22 @@ from typing import Annotated
 import numpy as np
 import typer
 
-from rodgen.cli.completion import complete_words
-from rodgen.cli.console import (
-    err,
-    has_pictures,
-    out,
-    print_json,
-    show_run,
-    show_work,
+from rodgen.cli.console import err, has_pictures, out, print_json, show_run, show_work
+from rodgen.cli.exits import (
+    FAILED_RUN,
+    INTERRUPTED,
+    fail,
+    ignore_ctrl_c,
+    restore_ctrl_c,
+    treat_signals_as_ctrl_c,
 )
-from rodgen.cli.error_reports import FAILED_RUN, INTERRUPTED, fail
-from rodgen.cli.options import OutFolder
+from rodgen.cli.options import OutFolder, complete_words
 from rodgen.cli.result_folders import (
     check_same_run,
     files_to_replace,
     output_folder,
     unwritable_error,
 )
-from rodgen.cli.signals import ignore_ctrl_c, restore_ctrl_c, treat_signals_as_ctrl_c
 from rodgen.emit.targets import TARGETS
 from rodgen.integrate import Interrupted, RunError, Solution, resume, simulate
 from rodgen.integrate.files.checkpoint import checkpoint_path

@@ -8,9 +8,8 @@ from typing import Annotated
 import typer
 from rich.table import Table
 
-from rodgen.cli.completion import complete_words
 from rodgen.cli.console import out, print_json
-from rodgen.cli.options import AsJson
+from rodgen.cli.options import AsJson, complete_words
 from rodgen.cli.result_folders import unwritable_error
 from rodgen.errors import InputError
 from rodgen.loading.cache import write_whole

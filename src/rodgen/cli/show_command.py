@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from rodgen.cli.console import print_json, print_result, show_work
+from rodgen.cli.console import print_result, show_work
 from rodgen.cli.options import AsJson
 from rodgen.scene import Scene
 
@@ -13,7 +13,4 @@ def show(scene: Scene, as_json: AsJson = False) -> None:
 
     with show_work("generating"):
         found = describe(scene)
-    if as_json:
-        print_json(found.to_dict())
-    else:
-        print_result(scene.name, found)
+    print_result(scene.name, found, as_json)

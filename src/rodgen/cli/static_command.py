@@ -7,16 +7,13 @@ from typing import Annotated
 
 import typer
 
-from rodgen.cli.console import (
-    check_finite,
-    print_json,
-    print_table,
-    show_work,
-    write_picture,
-)
+from rodgen.cli.console import print_json, print_table, show_work, write_picture
 from rodgen.cli.options import AsJson, AtTime, OutFolder
 from rodgen.cli.result_folders import delivery, output_folder
+from rodgen.result import ResultTable
 from rodgen.scene import Scene
+
+COMPARED = "tip x", "tip y", "tip angle", "stable"  # columns of the list of all equilibria
 
 
 def static(
@@ -47,18 +44,17 @@ def static(
     if every:
         if imperfection is not None:
             raise InputError("--imperfection", imperfection, "absent beside --all")
-        _list_equilibria(scene, check_finite("--t", t), out_folder, as_json)
+        _list_equilibria(scene, t, out_folder, as_json)
         return
     with delivery(scene, out_folder, as_json) as deliver:
         with show_work("balancing"):
-            rest = static_equilibrium(scene, t=check_finite("--t", t), imperfection=imperfection)
+            rest = static_equilibrium(scene, t=t, imperfection=imperfection)
         deliver("static equilibrium", rest, {"static": "shape"})
 
 
 def _list_equilibria(scene: Scene, t: float | None, out_folder: Path, as_json: bool) -> None:
     """Find, list and draw all equilibria."""
     from rodgen.analyse.branches.deflation import static_equilibria
-    from rodgen.result import comparison_table
 
     with output_folder(None if as_json else out_folder / scene.name) as folder:
         with show_work("looking for equilibria"):
@@ -66,8 +62,12 @@ def _list_equilibria(scene: Scene, t: float | None, out_folder: Path, as_json: b
         if as_json:
             print_json({"equilibria": [one.to_dict() for one in found]})
             return
-        told = comparison_table(found, ("tip_x", "tip_y", "tip_angle", "stable"))
-        print_table(f"{scene.name}: {len(found)} equilibria were found", told)
+        rows = [
+            (str(at), *(text for name, text in one.tables()[0].rows if name in COMPARED))
+            for at, one in enumerate(found, 1)
+        ]
+        compared = ResultTable.of_rows(("", *COMPARED), rows)
+        print_table(f"{scene.name}: {len(found)} equilibria were found", compared)
         from rodgen.show.branch_pictures import equilibrium_shapes
 
         write_picture(lambda: equilibrium_shapes(found, scene), folder, "equilibria")

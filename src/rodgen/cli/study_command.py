@@ -9,9 +9,15 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from rodgen.cli.console import err, has_pictures, out, print_json, print_result, show_work
-from rodgen.cli.error_reports import BAD_INPUT, FAILED_RUN, INTERRUPTED, fail
+from rodgen.cli.exits import (
+    BAD_INPUT,
+    FAILED_RUN,
+    INTERRUPTED,
+    fail,
+    ignore_ctrl_c,
+    treat_signals_as_ctrl_c,
+)
 from rodgen.cli.options import AsJson, OutFolder
-from rodgen.cli.signals import ignore_ctrl_c, treat_signals_as_ctrl_c
 
 if TYPE_CHECKING:
     from rodgen.studies.counts import PointCounts

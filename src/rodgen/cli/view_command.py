@@ -9,11 +9,10 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from rodgen.cli.common_options import Changes, read_scene
 from rodgen.cli.console import out
-from rodgen.cli.error_reports import BAD_INPUT, fail
-from rodgen.cli.options import PointNumber, point_number
-from rodgen.extras import install_command
+from rodgen.cli.exits import BAD_INPUT, fail
+from rodgen.cli.options import Changes, PointNumber, point_number, read_scene
+from rodgen.errors import InputError, install_command
 
 if TYPE_CHECKING:
     from rodgen.integrate.solution import Solution
@@ -63,8 +62,6 @@ def view(
     ] = True,
 ) -> None:
     """Watch SCENE move in a browser, change it while it runs, and plot it. Ctrl-C ends it."""
-    from rodgen.errors import InputError
-
     if (scene_file is None) == (branch is None):
         raise InputError(
             "SCENE", scene_file and str(scene_file), "a scene, or --from with a branch"

@@ -12,9 +12,9 @@ from sympy import Add, Eq, Expr, Indexed, IndexedBase, Piecewise, S, Symbol
 from rodgen.derive.energies import Quantities
 from rodgen.derive.general import GeneralEquations
 from rodgen.derive.implicit_form import UNKNOWNS, ImplicitForm
-from rodgen.derive.inertia import INERTIAS
 from rodgen.derive.joint_force_system import joint_system
 from rodgen.derive.joint_system import BlockSystem, alpha, link_moment
+from rodgen.derive.link_properties import INERTIAS
 from rodgen.derive.loads.kinds import JointMoment
 from rodgen.derive.symbols import Array, i, joint, joint_vx, joint_vy, joint_x, joint_y, n, s
 from rodgen.derive.variable_mass import Tank, VariableMasses

@@ -15,7 +15,7 @@ from rodgen.integrate.quantity_formulas import loads_at_work
 from rodgen.integrate.recorder import Recorder
 from rodgen.integrate.run_status import FINISHED
 from rodgen.integrate.stepper import StepError
-from rodgen.integrate.stretches import STRIDE, Stretches, evaluation_bounds, with_span
+from rodgen.integrate.stretches import Stretches, with_span
 from rodgen.integrate.trajectory import Trajectory
 from rodgen.scene.integration import AUTO, IntegrationTable
 
@@ -41,8 +41,7 @@ class DenseOutput:
         if scene.integrate.method == AUTO:  # of a run without an end
             scene = scene.with_integrate(method=choose(scene, self._model).method)
         self.settings = _tighten(scene.integrate, share)
-        stretches = Stretches.of(scene.time_functions, scene.integrate.has_fixed_step)
-        self._swing, self._ends = stretches.swing, np.array(stretches.ends)
+        self._stretches = Stretches.of(scene.time_functions, scene.integrate.has_fixed_step)
         self._switches = () if scene.integrate.has_fixed_step else scene.time_functions.switches()
         self._p = trajectory.system.p
         self._works = loads_at_work(self._model)
@@ -77,18 +76,13 @@ class DenseOutput:
     def integrate_from(self, t: float, y: Array, times: Array) -> Array:
         """Integrate from a state y at time t [s], and return the states (K, states) at later times
         (K,) [s], ascending. Events are not looked for. Raises StepError."""
-        last = float(times[-1])
-        met = self._ends[(self._ends > t) & (self._ends < last)]
         try:
             with np.errstate(all="ignore"):
                 run = make_integrator(self._model, self._p, self.settings, t, y.copy())
                 recorder = Recorder(times, len(y), self._works)
                 watch = EventDetector([], self._model, self._p, self._switches)
-                for end in [*map(float, met), last]:
-                    run.begin(end, *evaluation_bounds(run.t, end), self._swing)
-                    while not run.advance(recorder, watch, STRIDE):
-                        if run.counts.nsteps > self.settings.step_limit:
-                            raise StepError("the budget of steps is used up")
+                stretches = self._stretches.until(float(times[-1]))
+                stretches.walk(run, recorder, watch, self.settings.step_limit)
         except (StepError, OverflowError) as error:
             message = f"no states between samples after t = {t:.9g} s: {error}"
             raise StepError(message) from None

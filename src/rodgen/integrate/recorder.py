@@ -43,6 +43,12 @@ class Recorder:
         self._rows = np.empty((rows, width))
         self.before_writing: Callable[[], None] = lambda: None
 
+    def begin(self, y: Array) -> None:
+        """Record the first sample, the state at the start."""
+        self._rows[0] = 0.0
+        self._rows[0, : self.states] = y
+        self.commit(1)
+
     def free_rows(self) -> tuple[Array, Array]:
         """Output times that come next, and the rows for their samples."""
         at = self.count - self._first

@@ -29,7 +29,7 @@ from rodgen.integrate.run_status import (
 )
 from rodgen.integrate.solution import Interrupted, RunError, Solution
 from rodgen.integrate.stepper import Stats, StepError
-from rodgen.integrate.stretches import UNBOUNDED, Stretches, evaluation_bounds, step_to
+from rodgen.integrate.stretches import Stretches
 from rodgen.integrate.trajectory import Event
 from rodgen.memory import check_memory, format_gigabytes, is_small, memory_limit
 from rodgen.native.library import DeferredInterrupt
@@ -161,7 +161,7 @@ def add_error_growth(solution: Solution) -> None:
 def check_samples(system: System, to_file: bool) -> None:
     """Raise InputError for a run whose samples need more memory than it may take; of a run to a
     file, only those that the Solution holds count."""
-    count, states = len(system.settings.sample_times), len(system.extra_states)
+    count, states = len(system.settings.sample_times), len(system.structure.state_names)
     held = min(count, IN_MEMORY) if to_file else count
 
     def need(links: int) -> float:
@@ -292,35 +292,13 @@ class _Simulation:
         """Step through all stretches, and return the message of the end."""
         stretches = Stretches.of(self.system.time_functions, self.settings.has_fixed_step)
         self.pole = stretches.pole
-        taken_up = self.saver.restore(self.machine)
-        times, rows = self.recorder.free_rows()
-        if not taken_up and times[0] == self.machine.t:
-            rows[0] = 0.0
-            rows[0, : self.recorder.states] = self.machine.y
-            self.recorder.commit(1)
+        self.saver.restore(self.machine)
+        parts, budget = (self.machine, self.recorder, self.watch), self.settings.step_limit
         try:
-            for end in stretches.ends:
-                if end <= self.machine.t:
-                    continue
-                if not (taken_up and self.machine.end == end):
-                    self.machine.begin(
-                        end, *evaluation_bounds(self.machine.t, end), stretches.swing
-                    )
-                taken_up = False
-                self._told = time.perf_counter()
-                step_to(
-                    end,
-                    self.machine,
-                    self.recorder,
-                    self.watch,
-                    self.settings.step_limit,
-                    self._between_slices,
-                )
+            stretches.walk(*parts, budget, self._between_slices)
         except EventStop as event:
             name = self.system.events[event.number].name
             return event_message(event.t, name)
-        if self.pole:  # a step across it would be finite, and wrong
-            raise StepError(UNBOUNDED)
         return ""
 
     def _between_slices(self) -> None:

@@ -27,7 +27,7 @@ from rodgen.integrate.recorder import Recorder
 from rodgen.integrate.reductions import Reduction
 from rodgen.integrate.run_status import FAILED, FINISHED, event_message
 from rodgen.integrate.stepper import StepError
-from rodgen.integrate.stretches import UNBOUNDED, Stretches, evaluation_bounds, step_to
+from rodgen.integrate.stretches import Stretches
 from rodgen.model.methods import METHODS
 from rodgen.native.native_batch import REACHED, STOPPED
 from rodgen.scene import Scene
@@ -214,7 +214,7 @@ def _settings(given: tuple[tuple[str, Any], ...]) -> tuple[IntegrationTable, lan
     try:
         settings = IntegrationTable.model_validate({"method": "dop853"} | table)
     except ValidationError as error:
-        raise to_input_error(error, table, IntegrationTable) from None
+        raise to_input_error(error, IntegrationTable) from None
     if settings.method == AUTO:
         raise InputError("method", AUTO, f"one of {', '.join(METHODS)}: auto looks at one scene")
     check_used(settings, table)
@@ -364,16 +364,7 @@ def _run(
         (), equations.model, p, () if settings.has_fixed_step else course.switches()
     )
     stretches = Stretches.of(course, settings.has_fixed_step)
-    times, rows = recorder.free_rows()
-    if times[0] == machine.t:
-        rows[0] = 0.0
-        rows[0, : recorder.states] = machine.y
-        recorder.commit(1)
-    for end in stretches.ends:
-        machine.begin(end, *evaluation_bounds(machine.t, end), stretches.swing)
-        step_to(end, machine, recorder, watch, settings.step_limit, lambda: None)
-    if stretches.pole:
-        raise StepError(UNBOUNDED)
+    stretches.walk(machine, recorder, watch, settings.step_limit)
 
 
 def _store_reductions(

@@ -17,7 +17,12 @@ Interpolant = Callable[[Array], Array]
 
 @dataclass
 class Counts:
-    """Steps and evaluations so far, as in Stats; rejected is None where a method does not tell."""
+    """Steps and evaluations so far, by SciPy's names.
+
+    nsteps: steps that were taken; rejected: steps that were not, None where the method does not
+    tell; nfev, njev: evaluations of the rates and of their Jacobian; nlu: factorisations of
+    matrices.
+    """
 
     nsteps: int = 0
     rejected: int | None = None
@@ -35,22 +40,12 @@ class Counts:
         return self
 
 
-@dataclass(frozen=True)
-class Stats:
-    """Cost of a run, by SciPy's names.
+@dataclass
+class Stats(Counts):
+    """Cost of a run: its counts, and wall_seconds: time by the clock [s]; target: of the module
+    that ran, "c" or "numpy", empty where it is not known."""
 
-    nsteps: steps that were taken; rejected: steps that were not, None where the method does not
-    tell; nfev, njev: evaluations of the rates and of their Jacobian;
-    nlu: factorisations of matrices; wall_seconds: time by the clock [s]; target: of the module that
-    ran, "c" or "numpy", empty where it is not known.
-    """
-
-    nsteps: int
-    rejected: int | None
-    nfev: int
-    njev: int
-    nlu: int
-    wall_seconds: float
+    wall_seconds: float = 0.0
     target: str = ""
 
     @classmethod

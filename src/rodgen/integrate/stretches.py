@@ -53,6 +53,32 @@ class Stretches:
         ends = [*(at for at in breaks if start < at < last), *([last] if last > start else [])]
         return cls(ends, pole, swing)
 
+    def until(self, end: float) -> Stretches:
+        """Stretches up to an earlier end [s]."""
+        return replace(self, ends=[*(at for at in self.ends if at < end), end], pole=None)
+
+    def walk(
+        self,
+        machine: Integrator,
+        recorder: Recorder,
+        watch: EventDetector,
+        budget: int,
+        look: Callable[[], None] = lambda: None,
+    ) -> None:
+        """Step from where the machine is to the last end, with samples; budget: of steps; look:
+        called every few hundredths of a second. Raises StepError, also at a pole and where the
+        budget is used up, and EventStop where an event ends the run."""
+        if recorder.count == 0 and recorder.times[0] == machine.t:
+            recorder.begin(machine.y)
+        for end in self.ends:
+            if end <= machine.t:
+                continue
+            if machine.end != end:  # else it was restored in the middle of this stretch
+                machine.begin(end, *evaluation_bounds(machine.t, end), self.swing)
+            _step_to(end, machine, recorder, watch, budget, look)
+        if self.pole:  # a step across it would be finite, and wrong
+            raise StepError(UNBOUNDED)
+
 
 def _drop_close(times: list[float], kept: set[float], least: float) -> list[float]:
     """Drop the times that are closer than the least to a kept one; kept ones stay."""
@@ -70,7 +96,7 @@ def evaluation_bounds(start: float, end: float) -> tuple[float, float]:
     return (low, high) if low <= high else (0.5 * (low + high),) * 2
 
 
-def step_to(
+def _step_to(
     end: float,
     machine: Integrator,
     recorder: Recorder,
@@ -78,9 +104,7 @@ def step_to(
     budget: int,
     look: Callable[[], None],
 ) -> None:
-    """Step to the end [s] of the present stretch, with samples; look: called every few hundredths
-    of a second. Raises StepError, also where the budget of steps is used up, and EventStop where an
-    event ends the run."""
+    """Step to the end [s] of the present stretch."""
     seen, least = machine.t, CREEP * (end - machine.t)
     goal = machine.counts.nsteps + STRIDE
     done = False

@@ -159,7 +159,7 @@ class Trajectory(Motion):
     @cached_property
     def extra_states(self) -> tuple[str, ...]:
         """Names of the states that are neither positions nor velocities."""
-        return self.system.extra_states
+        return self.system.structure.state_names
 
     @cached_property
     def has_feedback(self) -> bool:

@@ -10,15 +10,7 @@ from rodgen.model.parameter import ANY, NOT_NEGATIVE, POSITIVE, Parameter
 
 def _row(name: str, label: str, unit: str, rule: str = NOT_NEGATIVE) -> Parameter:
     """A number that is zero where a scene does not give it."""
-    return Parameter(
-        name=name,
-        key=name,
-        label=label,
-        unit=unit,
-        description=f"{label} []",
-        rule=rule,
-        default=0.0,
-    )
+    return Parameter(name, name, label, "", unit, f"{label} []", rule=rule, default=0.0)
 
 
 def _pair(key: str, one: Parameter) -> tuple[Parameter, Parameter]:
@@ -31,26 +23,15 @@ def _pair(key: str, one: Parameter) -> tuple[Parameter, Parameter]:
 
 
 # Where on the rod something is.
-AT = Parameter(
-    name="at",
-    key="at",
-    label="place s",
-    description="from 0 at the start (nose or root) to 1 at the tail",
-    rule=NOT_NEGATIVE,
-    first=1.0,
-    most=1.0,
-)
+# fmt: off
+AT = Parameter("at", "at", "place s", "", "", "from 0 at the start (nose or root) to 1 at the tail",
+    rule=NOT_NEGATIVE, first=1.0, most=1.0)
+# fmt: on
 # Of a force the place is part of the module.
 AT_IN_MODULE = replace(AT, fixed=True)
 
 BODY_MASS = Parameter(
-    name="body_mass",
-    key="mass",
-    label="mass",
-    unit="kg",
-    description="of a body []",
-    rule=POSITIVE,
-    decades=True,
+    "body_mass", "mass", "mass", "", "kg", "of a body []", rule=POSITIVE, decades=True
 )
 OFFSET = (
     replace(_row("along", "centre along the link", "m", ANY), key="offset", part=0),
@@ -72,5 +53,5 @@ FOUNDATION = (
     replace(_row("stiffness", "stiffness of the foundation", "N/m^2"), first=10.0),
     _row("damping", "damping of the foundation", "N s/m^2"),
 )
-STATE = (Parameter(name="rate", key="rate", label="rate", description="per second", timed=True),)
+STATE = (Parameter("rate", "rate", "rate", "", "", "per second", timed=True),)
 STATE_AT_START = _row("initial", "at the start", "", ANY)

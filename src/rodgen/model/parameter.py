@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import KW_ONLY, dataclass
 
 ANY, NOT_NEGATIVE, POSITIVE = "any", "at least 0", "positive"
 # What a parameter of several numbers has one for: see Structure.spans.
@@ -10,7 +10,7 @@ JOINTS, LINKS, SPRINGS = "joint", "link", "joint with a spring"
 ROWS = "row of a table, its knots first"
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, slots=True)
 class Parameter:
     """A number that a generated module takes, or one for every joint or link.
 
@@ -30,9 +30,10 @@ class Parameter:
     name: str
     key: str
     label: str
+    symbol: str
+    unit: str
     description: str
-    symbol: str = ""
-    unit: str = ""
+    _: KW_ONLY
     rule: str = ANY
     default: float | None = None
     first: float | None = None

@@ -70,16 +70,14 @@ SECTION = ("section",)  # joints that pass a force on to a moving link
 SUPPORTED = ("supported",)  # links with a support
 TAIL, CENTRE = "the tail", "the centre of gravity"
 _CENTRE = _point("centre_of_gravity_", CENTRE)
-_CENTRE_SPEED = _point("centre_of_gravity_v", CENTRE, "ẋẏ")
 _JOINTS = {"joint_{}_x": "x{}", "joint_{}_y": "y{}"}
 _PRINCIPAL = {
     "principal_moment_1": "smaller principal moment I₁",
     "principal_moment_2": "larger principal moment I₂",
 }
-_ANGLE = {"principal_angle": "angle of the principal axis"}
-_BALANCE = {"energy_balance": "balance error"}
 
-# In the order in which files hold them.
+# In the order in which files hold them: name, unit, words, dimensions, numbers, kind, kept, each.
+# fmt: off
 QUANTITIES = (
     Quantity("phi", "rad", "angles of the links", LINK, {"phi_{}": "φ{}"}),
     Quantity("omega", "rad/s", "rates of the links", LINK, {"omega_{}": "ω{}"}),
@@ -88,160 +86,59 @@ QUANTITIES = (
     _energy("kinetic", "kinetic energy"),
     _energy("spring", "energy of the springs"),
     _energy("gravity", "energy in gravity"),
-    Quantity("energy_balance", "J", "energy gained less work done", (), _BALANCE),
+    Quantity("energy_balance", "J", "energy gained less work done", (),
+        {"energy_balance": "balance error"}),
     _inertia("inertia_x", "moment of inertia about x", "I about x"),
     _inertia("inertia_y", "moment of inertia about y", "I about y"),
     _inertia("product_xy", "product of inertia", "product I of x, y"),
     Quantity("work_{}", "J", "work of {}", (), {"work_{}": "work of {}"}, each=WORKS),
     Quantity("force_{}", "N", "force of {} on the joints", JOINT + AXIS, kept=DATASET, each=FORCES),
-    Quantity(
-        "bending_moments",
-        "N m",
-        "bending moments in the joints",
-        JOINT,
-        {"bending_moment_{}": "M{}"},
-        kept=DATASET,
-    ),
-    Quantity(
-        "tip", "m", "position of the tail", AXIS, _point("tip_", TAIL), "tip", DATASET, watched=True
-    ),
+    Quantity("bending_moments", "N m", "bending moments in the joints", JOINT,
+        {"bending_moment_{}": "M{}"}, kept=DATASET),
+    Quantity("tip", "m", "position of the tail", AXIS,
+        _point("tip_", TAIL), "tip", DATASET, watched=True),
     _energy("total", "energy", DATASET),
-    Quantity(
-        "principal_angle",
-        "rad",
-        "axis of the smaller moment of inertia",
-        numbers=_ANGLE,
-        kept=DATASET,
-    ),
-    Quantity(
-        "principal_moments",
-        "kg m^2",
-        "principal moments of inertia",
-        ("principal",),
-        _PRINCIPAL,
-        "principal_moment",
-        DATASET,
-    ),
+    Quantity("principal_angle", "rad", "axis of the smaller moment of inertia", (),
+        {"principal_angle": "angle of the principal axis"}, kept=DATASET),
+    Quantity("principal_moments", "kg m^2", "principal moments of inertia", ("principal",),
+        _PRINCIPAL, "principal_moment", DATASET),
     Quantity("t", "s", "time", (), {"t": "t"}, kept=SHOWN),
-    Quantity(
-        "tip_velocity",
-        "m/s",
-        "velocity of the tail",
-        AXIS,
-        _point("tip_v", TAIL, "ẋẏ"),
-        "tip_velocity",
-        SHOWN,
-    ),
-    Quantity(
-        "centre_velocity",
-        "m/s",
-        f"velocity of {CENTRE}",
-        AXIS,
-        _CENTRE_SPEED,
-        "centre_velocity",
-        SHOWN,
-    ),
-    Quantity(
-        "power_{}", "W", "power of {}", (), {"power_{}": "power of {}"}, kept=SHOWN, each=POWERS
-    ),
+    Quantity("tip_velocity", "m/s", "velocity of the tail", AXIS,
+        _point("tip_v", TAIL, "ẋẏ"), "tip_velocity", SHOWN),
+    Quantity("centre_velocity", "m/s", f"velocity of {CENTRE}", AXIS,
+        _point("centre_of_gravity_v", CENTRE, "ẋẏ"), "centre_velocity", SHOWN),
+    Quantity("power_{}", "W", "power of {}", (), {"power_{}": "power of {}"},
+        kept=SHOWN, each=POWERS),
     Quantity("{}", "N", "{}", (), {"{}": "{}"}, "load", SHOWN, LOADS),
     Quantity("{}", "", "{}", (), {"{}": "{}"}, "state", SHOWN, ADDED),
-    Quantity(
-        "base",
-        "m",
-        "position of joint 0",
-        AXIS,
-        {"x0": "x₀", "y0": "y₀"},
-        "base",
-        SHOWN,
-        only="translates",
-    ),
-    Quantity(
-        "base_velocity",
-        "m/s",
-        "velocity of joint 0",
-        AXIS,
-        {"vx0": "ẋ₀", "vy0": "ẏ₀"},
-        "base_velocity",
-        SHOWN,
-        only="translates",
-    ),
-    Quantity(
-        "bend", "rad", "angles between neighbouring links", SPRING, {"bend_{}": "Δφ{}"}, kept=SHOWN
-    ),
-    Quantity(
-        "bend_rate",
-        "rad/s",
-        "rates between neighbouring links",
-        SPRING,
-        {"bend_rate_{}": "Δω{}"},
-        kept=SHOWN,
-    ),
-    Quantity(
-        "curvature", "1/m", "curvatures at the springs", SPRING, {"curvature_{}": "κ{}"}, kept=SHOWN
-    ),
-    Quantity(
-        "axial_force",
-        "N",
-        "axial forces, tension > 0",
-        SECTION,
-        {"axial_force_{}": "N{}"},
-        kept=SHOWN,
-    ),
+    Quantity("base", "m", "position of joint 0", AXIS,
+        {"x0": "x₀", "y0": "y₀"}, "base", SHOWN, only="translates"),
+    Quantity("base_velocity", "m/s", "velocity of joint 0", AXIS,
+        {"vx0": "ẋ₀", "vy0": "ẏ₀"}, "base_velocity", SHOWN, only="translates"),
+    Quantity("bend", "rad", "angles between neighbouring links", SPRING,
+        {"bend_{}": "Δφ{}"}, kept=SHOWN),
+    Quantity("bend_rate", "rad/s", "rates between neighbouring links", SPRING,
+        {"bend_rate_{}": "Δω{}"}, kept=SHOWN),
+    Quantity("curvature", "1/m", "curvatures at the springs", SPRING,
+        {"curvature_{}": "κ{}"}, kept=SHOWN),
+    Quantity("axial_force", "N", "axial forces, tension > 0", SECTION,
+        {"axial_force_{}": "N{}"}, kept=SHOWN),
     Quantity("shear_force", "N", "shear forces", SECTION, {"shear_force_{}": "Q{}"}, kept=SHOWN),
-    Quantity(
-        "reaction",
-        "N",
-        "force of what holds the rod",
-        AXIS,
-        _point("reaction_", "the reaction"),
-        "reaction",
-        SHOWN,
-        only="is_held",
-    ),
-    Quantity(
-        "reaction_moment",
-        "N m",
-        "moment of what holds the rod",
-        (),
-        {"reaction_moment": "moment of the reaction"},
-        kept=SHOWN,
-        only="is_clamped",
-    ),
-    Quantity(
-        "support_force",
-        "N",
-        "forces of the supports on the links",
-        SUPPORTED + AXIS,
-        {"support_force_{}_x": "support{} x", "support_force_{}_y": "support{} y"},
-        kept=SHOWN,
-    ),
-    Quantity(
-        "support_moment",
-        "N m",
-        "moments of the supports on the links",
-        SUPPORTED,
-        {"support_moment_{}": "support{} moment"},
-        kept=SHOWN,
-    ),
-    Quantity(
-        "momentum",
-        "N s",
-        "momentum",
-        AXIS,
-        _point("momentum_", "the momentum"),
-        "momentum",
-        SHOWN,
-    ),
-    Quantity(
-        "angular_momentum",
-        "N m s",
-        f"angular momentum about {CENTRE}, of a held rod about the joint that holds it",
-        (),
-        {"angular_momentum": "angular momentum"},
-        kept=SHOWN,
-    ),
+    Quantity("reaction", "N", "force of what holds the rod", AXIS,
+        _point("reaction_", "the reaction"), "reaction", SHOWN, only="is_held"),
+    Quantity("reaction_moment", "N m", "moment of what holds the rod", (),
+        {"reaction_moment": "moment of the reaction"}, kept=SHOWN, only="is_clamped"),
+    Quantity("support_force", "N", "forces of the supports on the links", SUPPORTED + AXIS,
+        {"support_force_{}_x": "support{} x", "support_force_{}_y": "support{} y"}, kept=SHOWN),
+    Quantity("support_moment", "N m", "moments of the supports on the links", SUPPORTED,
+        {"support_moment_{}": "support{} moment"}, kept=SHOWN),
+    Quantity("momentum", "N s", "momentum", AXIS,
+        _point("momentum_", "the momentum"), "momentum", SHOWN),
+    Quantity("angular_momentum", "N m s",
+        f"angular momentum about {CENTRE}, of a held rod about the joint that holds it", (),
+        {"angular_momentum": "angular momentum"}, kept=SHOWN),
 )
+# fmt: on
 
 
 class Kind(NamedTuple):

@@ -2,87 +2,46 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import KW_ONLY, dataclass, replace
 
 from rodgen.model.parameter import ANY, LINKS, NOT_NEGATIVE, POSITIVE, SPRINGS, Parameter
 
+# fmt: off
 ROD = (
-    Parameter(
-        name="mass",
-        key="mass",
-        label="mass",
-        symbol="M",
-        unit="kg",
-        description="of the rod []",
-        rule=POSITIVE,
-        decades=True,
-    ),
-    Parameter(
-        name="length",
-        key="length",
-        label="length",
-        symbol="L",
-        unit="m",
-        description="of the rod []",
-        rule=POSITIVE,
-        decades=True,
-    ),
-    Parameter(
-        name="bending_stiffness",
-        key="bending_stiffness",
-        label="bending stiffness",
-        symbol="EI",
-        unit="N m^2",
-        description="EI []",
-        rule=NOT_NEGATIVE,
-        decades=True,
-    ),
+    Parameter("mass", "mass", "mass", "M", "kg", "of the rod []", rule=POSITIVE, decades=True),
+    Parameter("length", "length", "length", "L", "m", "of the rod []", rule=POSITIVE, decades=True),
+    Parameter("bending_stiffness", "bending_stiffness", "bending stiffness", "EI", "N m^2",
+        "EI []", rule=NOT_NEGATIVE, decades=True),
 )
 # Numbers of a scene that reach its module as those of links.
-MASS_PER_LENGTH = Parameter(
-    name="mass_per_length",
-    key="mass_per_length",
-    label="mass per length",
-    unit="kg/m",
-    description="instead of the mass []",
-    rule=POSITIVE,
-    decades=True,
-)
-SPRING = Parameter(
-    name="spring",
-    key="spring",
-    label="moment of a spring",
-    unit="N m",
-    description="by its stiffness k and the angle d that bends it []",
-)
-CLAMP_ANGLE = Parameter(
-    name="clamp_angle",
-    key="clamp_angle",
-    label="clamp angle",
-    unit="rad",
-    description="angle at which the start is held []",
-    default=0.0,
-)
+MASS_PER_LENGTH = Parameter("mass_per_length", "mass_per_length", "mass per length", "", "kg/m",
+    "instead of the mass []", rule=POSITIVE, decades=True)
+SPRING = Parameter("spring", "spring", "moment of a spring", "", "N m",
+    "by its stiffness k and the angle d that bends it []")
+CLAMP_ANGLE = Parameter("clamp_angle", "clamp_angle", "clamp angle", "", "rad",
+    "angle at which the start is held []", default=0.0)
+# fmt: on
 
 
 @dataclass(frozen=True, slots=True)
 class Boundary:
     """Boundary of a rod: how its ends are held.
 
+    title: of a rod that is held so; description: what holds it.
     translates: joint 0 moves freely, with coordinates x0, y0.
     first: the first link that moves; links before it are held at clamp_angle.
     root: stiffness of a spring in joint 0 that holds link 0 at clamp_angle, in springs between
     links (half a link bends there: twice as stiff), and internal damping there, in the same way.
     tail: likewise of a spring in joint n that holds the last link at clamp_angle.
-    title: of a rod that is held so; description: what holds it.
     """
 
-    translates: bool
-    first: int
+    title: str
+    description: str
+    _: KW_ONLY
+    translates: bool = False
+    first: int = 0
     root: int = 0
     tail: int = 0
-    title: str = ""
-    description: str = ""
 
     @property
     def first_joint(self) -> int:
@@ -131,35 +90,16 @@ class Boundary:
         return (CLAMP_ANGLE,) if self.is_clamped else ()
 
 
+# fmt: off
 BOUNDARIES = {
-    "free": Boundary(
-        translates=True,
-        first=0,
-        title="free in space",
-        description="nothing",
-    ),
-    "cantilever": Boundary(
-        translates=False,
-        first=1,
-        title="held at link 0 (the thesis's clamp)",
-        description=("link 0 stays at `clamp_angle` (the thesis's clamp, of first order in 1/n)"),
-    ),
-    "clamped": Boundary(
-        translates=False,
-        first=0,
-        root=2,
-        title="clamped by a root spring",
-        description=(
-            "a spring of 2 EI n/L at joint 0, against `clamp_angle` (of second order in 1/n)"
-        ),
-    ),
-    "pinned": Boundary(
-        translates=False,
-        first=0,
-        title="pinned at joint 0",
-        description="nothing: a chain of n pendulums",
-    ),
+    "free": Boundary("free in space", "nothing", translates=True),
+    "cantilever": Boundary("held at link 0 (the thesis's clamp)",
+        "link 0 stays at `clamp_angle` (the thesis's clamp, of first order in 1/n)", first=1),
+    "clamped": Boundary("clamped by a root spring",
+        "a spring of 2 EI n/L at joint 0, against `clamp_angle` (of second order in 1/n)", root=2),
+    "pinned": Boundary("pinned at joint 0", "nothing: a chain of n pendulums"),
 }
+# fmt: on
 
 
 @dataclass(frozen=True, slots=True)
@@ -194,37 +134,24 @@ def _of_links(
     name: str, label: str, description: str, rule: str = ANY, unit: str = ""
 ) -> Parameter:
     """A parameter with a number for every link."""
-    return Parameter(
-        name=name, key="", label=label, description=description, rule=rule, unit=unit, each=LINKS
-    )
+    return Parameter(name, "", label, "", unit, description, rule=rule, each=LINKS)
 
 
+# fmt: off
 LINK_MASS = _of_links("link_mass", "link mass", "of each link []", POSITIVE, "kg")
-CENTRE_ALONG = _of_links(
-    "link_centre_along", "centre along", "centre of gravity of each link along it, over its length"
-)
-CENTRE_ACROSS = _of_links(
-    "link_centre_across",
-    "centre across",
-    "centre of gravity of each link across it, over its length",
-)
-SPREAD_ALONG = _of_links(
-    "link_spread_along",
-    "spread along",
+CENTRE_ALONG = _of_links("link_centre_along", "centre along",
+    "centre of gravity of each link along it, over its length")
+CENTRE_ACROSS = _of_links("link_centre_across", "centre across",
+    "centre of gravity of each link across it, over its length")
+SPREAD_ALONG = _of_links("link_spread_along", "spread along",
     "mean square of the mass of each link along it about its centre, over its length squared",
-    NOT_NEGATIVE,
-)
-SPREAD_ACROSS = _of_links(
-    "link_spread_across",
-    "spread across",
+    NOT_NEGATIVE)
+SPREAD_ACROSS = _of_links("link_spread_across", "spread across",
     "mean square of the mass of each link across it about its centre, over its length squared",
-    NOT_NEGATIVE,
-)
-SPREAD_MIXED = _of_links(
-    "link_spread_mixed",
-    "mixed spread",
-    "mean product of both of the mass of each link about its centre, over its length squared",
-)
+    NOT_NEGATIVE)
+SPREAD_MIXED = _of_links("link_spread_mixed", "mixed spread",
+    "mean product of both of the mass of each link about its centre, over its length squared")
+# fmt: on
 CENTRE = CENTRE_ALONG, CENTRE_ACROSS
 SPREAD = SPREAD_ALONG, SPREAD_ACROSS, SPREAD_MIXED
 
@@ -251,36 +178,21 @@ TANK = {
 def tank_row(name: str, what: str) -> Parameter:
     """Parameter of a body whose mass changes with time, one of TANK; name: prefix of its name."""
     spread = what == "spread"
-    return Parameter(
-        name=f"{name}_{what}",
-        key="",
-        label=f"{name} {what}",
-        description=TANK[what].format(name.removeprefix("body_")),
-        rule=NOT_NEGATIVE if spread else ANY,
-        unit="kg" if spread else "",
-    )
+    unit, rule = ("kg", NOT_NEGATIVE) if spread else ("", ANY)
+    words = TANK[what].format(name.removeprefix("body_"))
+    return Parameter(f"{name}_{what}", "", f"{name} {what}", "", unit, words, rule=rule)
 
 
 STEADY = {one.name: _steady(one) for one in (LINK_MASS, *CENTRE, *SPREAD)}
 
+# fmt: off
+JOINT_STIFFNESS = Parameter("joint_stiffness", "bending_stiffness", "joint stiffness", "k",
+    "N m/rad", "of the spring in each joint that has one []", rule=NOT_NEGATIVE, each=SPRINGS)
 NONUNIFORM = {
-    "stiffness": Nonuniform(
-        (
-            Parameter(
-                name="joint_stiffness",
-                key="bending_stiffness",
-                label="joint stiffness",
-                symbol="k",
-                unit="N m/rad",
-                description="of the spring in each joint that has one []",
-                rule=NOT_NEGATIVE,
-                each=SPRINGS,
-            ),
-        ),
-        instead=("bending_stiffness",),
-        title="stiffness that differs from joint to joint",
-    ),
-    "mass": Nonuniform((LINK_MASS,), title="mass that differs from link to link"),
-    "bodies": Nonuniform((LINK_MASS, *CENTRE, *SPREAD), title="bodies fixed to its links"),
-    "points": Nonuniform((LINK_MASS, CENTRE_ALONG), title="point masses in its joints"),
+    "stiffness": Nonuniform((JOINT_STIFFNESS,), "stiffness that differs from joint to joint",
+        instead=("bending_stiffness",)),
+    "mass": Nonuniform((LINK_MASS,), "mass that differs from link to link"),
+    "bodies": Nonuniform((LINK_MASS, *CENTRE, *SPREAD), "bodies fixed to its links"),
+    "points": Nonuniform((LINK_MASS, CENTRE_ALONG), "point masses in its joints"),
 }
+# fmt: on

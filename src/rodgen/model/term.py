@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import KW_ONLY, dataclass, replace
 from typing import Any, TypeVar
 
 from rodgen.model.parameter import JOINTS, NOT_NEGATIVE, Parameter
@@ -18,12 +18,12 @@ DRAG = "damping forces on joints"
 ANCHOR = "springs and dampers from joints to the ground"
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, slots=True)
 class Term:
     """A load, or a kind of damping.
 
-    name: where terms are listed; table: of [loads] in a scene; kind: what it acts on; label: in
-    words; symbol: of its size as a force; description: a phrase for the tables of keys; colours:
+    name: where terms are listed; table: of [loads] in a scene; label: in words; symbol: of its size
+    as a force; kind: what it acts on; description: a phrase for the tables of keys; colours:
     of its arrows, on white and on black; follows: a force that turns with the rod; thesis: one of
     the thesis's terms, which a structure has that names none; placed: a scene may have several,
     each on a point of its own, by default the tail; given: the numbers of its table, where those of
@@ -33,11 +33,12 @@ class Term:
 
     name: str
     table: str
-    kind: str
     label: str
+    symbol: str
+    kind: str
     description: str
+    _: KW_ONLY
     parameters: tuple[Parameter, ...]
-    symbol: str = ""
     colours: tuple[str, str] = ("#475569", "#cbd5e1")
     follows: bool = False
     thesis: bool = False

@@ -238,7 +238,7 @@ class Expression:
         )
         # What follows from the text alone is checked and known.
         made = object.__new__(Expression)
-        made.__dict__.update(self.__dict__, numbers=known, _values=dict(known), _parametrised={})
+        made.__dict__.update(self.__dict__, numbers=known, _values=dict(known), _parameter_cache={})
         made._check_constants()
         return made
 

@@ -108,7 +108,7 @@ class IntegrationTable(Table):
         try:
             return type(self).model_validate(table)
         except ValidationError as error:
-            found = to_input_error(error, table, type(self))
+            found = to_input_error(error, type(self))
             field = f"integrate.{found.field.removeprefix('integrate.')}"
             raise InputError(field, found.value, found.allowed) from None
 

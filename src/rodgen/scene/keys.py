@@ -10,25 +10,25 @@ from pydantic import BaseModel
 
 from rodgen.errors import InputError, did_you_mean, shorten
 from rodgen.scene.literals import literals, replace_literal
-from rodgen.scene.plain_tables import get_at
-from rodgen.scene.validation import check_key_exists
+from rodgen.scene.plain_tables import to_plain
+from rodgen.scene.validation import check_key_exists, fields_of_tables, goes_by_names
 
 NUMBERS = "parameters"  # the table of numbers that have names
 WORD = re.compile(r"\b[^\W\d]\w*")
 
 
-def keys_of(kind: type[BaseModel]) -> list[str]:
+def keys_of(model: type[BaseModel]) -> list[str]:
     """Dotted names of all values that a scene may have, without those in arrays of tables."""
-    found = []
-    for name, field in kind.model_fields.items():
-        options = getattr(field.annotation, "__args__", (field.annotation,))
-        tables = [one for one in options if isinstance(one, type) and issubclass(one, BaseModel)]
-        origin = get_origin(field.annotation)
-        if tables and origin is not list and origin is not dict:
-            found += [f"{name}.{key}" for key in keys_of(tables[0])]
-        elif not tables and origin is not dict:
-            found.append(name)
-    return found
+    tables = fields_of_tables(model)
+    every = {f"{table}{key}": field for table, of in tables.items() for key, field in of.items()}
+    arrays = tuple(f"{name}." for name, field in every.items() if goes_by_names(field))
+    return [
+        name
+        for name, field in every.items()
+        if f"{name}." not in tables
+        and get_origin(field.annotation) is not dict
+        and not name.startswith(arrays)
+    ]
 
 
 def expression_texts(table: Any) -> Iterator[str]:
@@ -74,22 +74,23 @@ def set_values(scene: dict[str, Any], values: Mapping[str, Any], kind: type[Base
     for name, value in values.items():
         if name not in left:
             continue
-        *outer, last = name.split(".")
+        keys, table = name.split("."), scene
         if value is None:
-            check_key_exists(kind, [*outer, last])
-        table: Any = scene
-        text = value_at(scene, outer) if is_index(last) and value is not None else None
-        if isinstance(text, str):
-            last, value = outer.pop(), _with_literals(text, name.rpartition(".")[0], left)
-        for depth, key in enumerate(outer):
-            at = _key_or_index(table, key, name, outer[:depth])
+            check_key_exists(kind, keys)
+        for depth, key in enumerate(keys, start=1):
+            at = _key_or_index(table, key, name, keys[: depth - 1])
+            if depth == len(keys):
+                break
             if isinstance(table, dict):  # where there is nothing, nothing can be taken away
-                table = table.setdefault(at, {}) if value is not None else table.get(at, {})
+                inner = table.setdefault(at, {}) if value is not None else table.get(at, {})
             else:
-                table = table[at]
-        at = _key_or_index(table, last, name, outer)
+                inner = table[at]
+            if isinstance(inner, str) and value is not None and is_index(".".join(keys[depth:])):
+                value = _with_literals(inner, ".".join(keys[:depth]), left)
+                break
+            table = inner
         if value is not None:
-            table[at] = _deep_copy(value)  # other keys may change it
+            table[at] = to_plain(value, name)  # a copy: other keys may change it
         elif isinstance(table, list) or at in table:
             del table[at]
 
@@ -107,26 +108,6 @@ def _with_literals(text: str, key: str, left: dict[str, Any]) -> str:
 def is_index(key: str) -> bool:
     """Whether a key is an index, counted from 0."""
     return key.isascii() and key.isdigit()
-
-
-def _deep_copy(value: Any) -> Any:
-    """Copy nested lists and tables."""
-    if isinstance(value, list):
-        return [_deep_copy(one) if isinstance(one, list | dict) else one for one in value]
-    return {k: _deep_copy(v) for k, v in value.items()} if isinstance(value, dict) else value
-
-
-def value_at(table: Any, keys: Sequence[str]) -> Any:
-    """Value at keys of nested tables and lists, or a number in the text of an expression there;
-    None where there is nothing."""
-    for at, key in enumerate(keys):
-        if isinstance(table, str):
-            return number_at(table, key)
-        try:
-            table = table[_key_or_index(table, key, "", keys[:at])]
-        except (InputError, KeyError):
-            return None
-    return table
 
 
 def number_at(text: str, key: str) -> float | None:
@@ -159,35 +140,37 @@ def _key_or_index(table: Any, key: str, name: str, outer: Sequence[str], field: 
     raise InputError(field, name, f"a key of the scene ({at} has {known}){hint}")
 
 
-def find_key(
+def find_value(
     scene: dict[str, Any], name: str, field: str = "vary", others: Sequence[str] = ()
-) -> tuple[str, ...]:
-    """Keys from the outermost table in to a dotted name; others: texts that replace the scene's
-    expressions. Raises InputError, with the field that is named, for a name that is in no table,
-    that is no single value, or that is one of a number which no expression names. A number in the
-    text of an expression goes by its index there."""
-    *outer, last = name.split(".")
+) -> tuple[tuple[str, ...], Any]:
+    """Keys from the outermost table in to a dotted name, and the value there, None where it is left
+    out; others: texts that replace the scene's expressions. Raises InputError, with the field that
+    is named, for a name that is in no table, that is no single value, or that is one of a number
+    which no expression names. A number in the text of an expression goes by its index there."""
     found_at: list[str] = []
-    for key in [*outer, last]:
-        inner = get_at(scene, *found_at)
-        if isinstance(inner, list):
-            found_at.append(str(_key_or_index(inner, key, name, found_at, field)))
+    value: Any = scene
+    names = name.split(".")
+    for depth, key in enumerate(names, start=1):
+        is_last = depth == len(names)
+        if isinstance(value, list):
+            at = _key_or_index(value, key, name, found_at, field)
+            found_at.append(str(at))
+            value = value[at]
             continue
-        if isinstance(inner, str) and key is last and number_at(inner, key) is not None:
-            return (*found_at, key)
-        known = list(inner) if isinstance(inner, dict) else []
+        if isinstance(value, str) and is_last and (number := number_at(value, key)) is not None:
+            return (*found_at, key), number
+        known = list(value) if isinstance(value, dict) else []
         # What a table may have beside what it has, the scene itself tells when it is made.
-        if not (key in known or (isinstance(inner, dict) and bool(outer) and key is last)):
+        if not (key in known or (isinstance(value, dict) and depth > 1 and is_last)):
             at = ".".join(found_at) or "the scene"
             has = f"({at} has {', '.join(known) or 'none'})"
             allowed = f"a key of the scene {has}{did_you_mean(key, known)}"
             raise InputError(field, name, allowed)
         found_at.append(key)
-    found = get_at(scene, *found_at[:-1])
-    value = found[int(found_at[-1])] if isinstance(found, list) else found.get(found_at[-1])
+        value = value.get(key)
     if isinstance(value, dict | list) or found_at == ["name"]:
         inside = f", such as {name}.{next(iter(value), 0)}" if isinstance(value, dict) else ""
         inside = f", such as {name}.0" if isinstance(value, list) else inside
         raise InputError(field, name, f"a key that has one value{inside}")
     check_number_in_use(scene, found_at, (field, name), others)
-    return tuple(found_at)
+    return tuple(found_at), value

@@ -112,13 +112,9 @@ class LoadTables(Table):
                 found[term.name] = (term.table,)
         return found
 
-    @property
+    @cached_property
     def key_paths(self) -> dict[str, tuple[str, ...]]:
         """Keys of every parameter of these loads in a scene, from the outermost table in."""
-        return self._key_paths
-
-    @cached_property
-    def _key_paths(self) -> dict[str, tuple[str, ...]]:
         return {
             one.name: ("loads", *keys, *one.key_path)
             for name, keys in self._table_keys.items()

@@ -2,11 +2,9 @@
 
 from __future__ import annotations
 
-import math
 import re
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from dataclasses import dataclass
-from itertools import pairwise
 from typing import Any
 
 from rodgen.errors import InputError
@@ -17,8 +15,6 @@ from rodgen.scene import structure as st
 from rodgen.scene.load_tables import FinFactor
 from rodgen.scene.plain_tables import set_at
 from rodgen.scene.scene_tables import SceneTables
-
-SAME = 1e-9  # relative: what two ways to write one and the same damping differ by
 
 
 @dataclass(frozen=True)
@@ -115,24 +111,3 @@ def _check_no_lists(scene: SceneTables) -> None:
         if re.match(r"(phi|omega|joint)_[0-9]", event.quantity):
             allowed = f"of the tail or of the whole rod, {why}"
             raise InputError(f"events[{at}].quantity", event.quantity, allowed)
-
-
-def find_unlike_damping(scenes: Sequence[SceneTables]) -> list[str]:
-    """Fields by which scenes of different numbers of links do not have the damping of one and the
-    same rod."""
-    known = [
-        {
-            one.field: one.after_refinement(1 / s.rod.links) - one.even
-            for one in mesh_dependent_values(s)
-        }
-        for s in scenes
-    ]
-    fields = dict.fromkeys(field for values in known for field in values)
-    return [
-        field
-        for field in fields
-        if any(
-            not math.isclose(a.get(field, 0.0), b.get(field, 0.0), rel_tol=SAME)
-            for a, b in pairwise(known)
-        )
-    ]

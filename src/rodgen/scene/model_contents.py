@@ -13,7 +13,6 @@ from rodgen.scene.law import Along
 from rodgen.scene.plain_tables import get_at
 from rodgen.scene.rod_points import link_and_share
 from rodgen.scene.scene import Scene
-from rodgen.scene.tables import BodyTable
 
 
 @dataclass(frozen=True)
@@ -25,90 +24,57 @@ class ModelPart:
     reason: str
 
 
-ROOTLESS = "no spring at joint 0"
 KINDS = [*TERMS]
 
 
 def model_parts(scene: Scene) -> list[ModelPart]:
     """All parts that a module can have, and which of them this scene has."""
-    rod, held, differing = scene.rod, scene.n_fixed_links, scene.distribution.nonuniform_values
-    moving = rod.links - held
-    free = scene.boundary_condition.translates
-    pieces = [
-        ModelPart(
-            "translation x0, y0",
-            free,
-            "boundary free" if free else f"boundary {rod.boundary}: joint 0 is fixed",
-        ),
-        ModelPart(
-            f"{moving} moving link{'s' * (moving > 1)}",
-            True,
-            f"links {held} to {rod.links - 1}"
-            + ("; link 0 is held at clamp_angle" if held else ""),
-        ),
-        ModelPart(
-            "coupling of links in M and Q",
-            moving > 1,
-            "every pair of moving links" if moving > 1 else "a single link moves",
-        ),
-        ModelPart(
-            "rotary springs",
-            rod.links > 1,
-            f"{rod.links - 1} inner joints{_describe_variation(differing.get('bending_stiffness'))}"
-            if rod.links > 1
-            else "one link has no inner joint",
-        ),
-        ModelPart(
-            "root spring",
-            scene.boundary_condition.root > 0,
-            f"boundary {rod.boundary}: "
-            + (
-                "2 EI/l at joint 0, against clamp_angle"
-                if scene.boundary_condition.root
-                else ROOTLESS
-            ),
-        ),
-        ModelPart(
-            "law of springs",
-            scene.spring_law is not None,
-            abbreviate(scene.rod.spring or "k*d, Hooke's"),
-        ),
-        *(
-            ModelPart("mass of links", True, f"mass_per_length{_describe_variation(law)}")
-            for key, law in differing.items()
-            if key == "mass_per_length"
-        ),
-        *(
-            ModelPart(
-                f"body {body.name}",
-                True,
-                f"{mass:g} kg{when} on link {link_and_share(body.at, rod.links)[0]}, "
-                f"at s = {body.at:g}",
-            )
-            for body, mass, when in _describe_masses(scene)
-        ),
-        ModelPart(
-            "rotary inertia of links",
-            INERTIAS[rod.inertia].rotary,
-            f"inertia {rod.inertia}: {INERTIAS[rod.inertia].description}",
-        ),
-    ]
-    added = [
-        ModelPart(
-            f"state {name}", True, f"its rate is part of the code: {abbreviate(rate.canonical)}"
-        )
-        for name, rate in scene.state_rates.items()
-    ]
-    added += [
-        ModelPart(f"table {name}", True, f"{len(table)} rows, from {first:g} to {last:g}")
-        for name, table in scene.tables.items()
-        for first, last in [table.knots[[0, -1]]]
-    ]
     loads = {term.name: term for term in TERMS.values()}
     loads |= {name: TERMS[name] for name in scene.structure.loads}
     # A load that a scene has several times stands beside the first of its kind.
     rows = sorted(loads.values(), key=lambda term: KINDS.index(term.base_name))
-    return pieces + [_term_part(scene, term) for term in rows] + [*_support_parts(scene)] + added
+    terms = (_term_part(scene, term) for term in rows)
+    return [*_rod_parts(scene), *terms, *_support_parts(scene), *_added_parts(scene)]
+
+
+def _rod_parts(scene: Scene) -> Iterator[ModelPart]:
+    """Yield the parts of the rod and a part for every body."""
+    rod, start, along = scene.rod, scene.boundary_condition, scene.distribution
+    moving, boundary = rod.links - start.first, f"boundary {rod.boundary}"
+    fixed = "" if start.translates else ": joint 0 is fixed"
+    yield ModelPart("translation x0, y0", start.translates, boundary + fixed)
+    clamp = "; link 0 is held at clamp_angle" if start.first else ""
+    links = f"links {start.first} to {rod.links - 1}{clamp}"
+    yield ModelPart(f"{moving} moving link{'s' * (moving > 1)}", True, links)
+    coupled = "every pair of moving links" if moving > 1 else "a single link moves"
+    yield ModelPart("coupling of links in M and Q", moving > 1, coupled)
+    varying = _describe_variation(along.nonuniform_values.get("bending_stiffness"))
+    joints = f"{rod.links - 1} inner joints{varying}"
+    joints = joints if rod.links > 1 else "one link has no inner joint"
+    yield ModelPart("rotary springs", rod.links > 1, joints)
+    root = "2 EI/l at joint 0, against clamp_angle" if start.root else "no spring at joint 0"
+    yield ModelPart("root spring", start.root > 0, f"{boundary}: {root}")
+    spring = abbreviate(rod.spring or "k*d, Hooke's")
+    yield ModelPart("law of springs", scene.spring_law is not None, spring)
+    if varying := _describe_variation(along.nonuniform_values.get("mass_per_length")):
+        yield ModelPart("mass of links", True, f"mass_per_length{varying}")
+    for body, mass in zip(scene.bodies, along.body_masses, strict=True):
+        when = f" at the start, {abbreviate(body.mass)}," if isinstance(body.mass, str) else ""
+        where = _describe_point(scene, body.at)
+        yield ModelPart(f"body {body.name}", True, f"{mass:g} kg{when} {where}")
+    inertia = INERTIAS[rod.inertia]
+    reason = f"inertia {rod.inertia}: {inertia.description}"
+    yield ModelPart("rotary inertia of links", inertia.rotary, reason)
+
+
+def _added_parts(scene: Scene) -> Iterator[ModelPart]:
+    """Yield a part for every added state and every table."""
+    for name, rate in scene.state_rates.items():
+        reason = f"its rate is part of the code: {abbreviate(rate.canonical)}"
+        yield ModelPart(f"state {name}", True, reason)
+    for name, table in scene.tables.items():
+        reason = f"{len(table)} rows, from {table.knots[0]:g} to {table.knots[-1]:g}"
+        yield ModelPart(f"table {name}", True, reason)
 
 
 def describe_loads(scene: Scene) -> list[str]:
@@ -132,16 +98,14 @@ def _support_parts(scene: Scene) -> Iterator[ModelPart]:
             "N m s/rad": support.rotation_damping,
         }
         what = ", ".join(f"{size:g} {unit}" for unit, size in sizes.items() if size)
-        link = link_and_share(support.at, scene.rod.links)[0]
-        reason = f"on link {link}, at s = {support.at:g}, to ({x:g}, {y:g}) m: {what or 'nothing'}"
+        where = _describe_point(scene, support.at)
+        reason = f"{where}, to ({x:g}, {y:g}) m: {what or 'nothing'}"
         yield ModelPart(f"support {number}", True, reason)
 
 
-def _describe_masses(scene: Scene) -> Iterator[tuple[BodyTable, float, str]]:
-    """Yield bodies with their masses [kg], and words on a mass that changes."""
-    for body, mass in zip(scene.bodies, scene.distribution.body_masses, strict=True):
-        changes = isinstance(body.mass, str)
-        yield body, mass, f" at the start, {abbreviate(str(body.mass))}," * changes
+def _describe_point(scene: Scene, at: float) -> str:
+    """Words on a point of the rod; at: its s."""
+    return f"on link {link_and_share(at, scene.rod.links)[0]}, at s = {at:g}"
 
 
 def _describe_variation(law: Along | None) -> str:
@@ -183,5 +147,4 @@ def _describe_place(scene: Scene, term: Term) -> list[str]:
     at = get_at(scene.loads, *keys, "at")
     if at == 1 and len(keys) == 1:
         return []
-    link = link_and_share(at, scene.rod.links)[0]
-    return [f"table {_table_heading(scene, term)} on link {link}, at s = {at:g}"]
+    return [f"table {_table_heading(scene, term)} {_describe_point(scene, at)}"]

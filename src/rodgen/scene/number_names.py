@@ -55,13 +55,13 @@ def mass_name(body: str) -> str:
 def number_parameter(name: str, rule: str = ANY) -> Parameter:
     """Module parameter for a number of an expression."""
     what = "a number in an expression" + " of t" * (rule == ANY)
-    return Parameter(name=name, key=name, label=name, description=what, rule=rule)
+    return Parameter(name, name, name, "", "", what, rule=rule)
 
 
 def table_parameter(name: str) -> Parameter:
     """Module parameter for a table of an expression."""
     what = "knots of a table in an expression, which ascend, and then a value for each"
-    return Parameter(name=name, key=name, label=name, description=what, each=ROWS)
+    return Parameter(name, name, name, "", "", what, each=ROWS)
 
 
 def check_names(names: Iterable[str], table: str, also: Iterable[str] = ()) -> None:

@@ -15,7 +15,7 @@ from typing import Any, TypeGuard
 import numpy as np
 from numpy.typing import NDArray
 
-from rodgen.errors import InputError
+from rodgen.errors import InputError, ShownText
 
 PLAIN = float, int, str  # passed over in lists, which may hold a million of them
 DEEPEST = 50  # tables and lists, each in the one before
@@ -98,13 +98,13 @@ class _PlainConverter:
         if not isinstance(value, dict | list | tuple):
             return value
         if depth > DEEPEST:
-            raise InputError(place, _TypeName(value), f"at most {DEEPEST} tables and lists deep")
+            raise InputError(place, _type_name(value), f"at most {DEEPEST} tables and lists deep")
         if isinstance(value, dict):
             at = "" if place == "scene" else f"{place}."
             self._add_count(value, len(value))
             return {str(k): self.convert(v, f"{at}{k}", depth + 1) for k, v in value.items()}
         if len(value) > LONGEST:
-            raise InputError(place, _TypeName(value), f"a list of at most {LONGEST} values")
+            raise InputError(place, _type_name(value), f"a list of at most {LONGEST} values")
         if {*map(type, value)} <= {*PLAIN}:  # as most are, a hundred thousand numbers among them
             return list(value)
         self._add_count(value, sum(type(inner) not in PLAIN for inner in value))
@@ -116,23 +116,18 @@ class _PlainConverter:
     def _add_count(self, value: Any, count: int) -> None:
         self.count += count
         if self.count > MOST_KEYS:
-            raise InputError(self.place, _TypeName(value), f"at most {MOST_KEYS} keys and values")
+            raise InputError(self.place, _type_name(value), f"at most {MOST_KEYS} keys and values")
 
 
-class _TypeName:
-    """Stand-in in messages for a value that is too large to show: its type."""
-
-    def __init__(self, value: Any):
-        self.kind = type(value).__name__
-
-    def __repr__(self) -> str:
-        return f"({self.kind})"
+def _type_name(value: Any) -> ShownText:
+    """Name of the type of a value that is too large to show."""
+    return ShownText(f"({type(value).__name__})")
 
 
 def _from_numpy(array: NDArray[Any] | np.generic, place: str) -> Any:
     """Convert a NumPy scalar, or an array without dimensions, to a number, others to lists."""
     if array.size > LONGEST:
-        raise InputError(place, _TypeName(array), f"at most {LONGEST} numbers")
+        raise InputError(place, _type_name(array), f"at most {LONGEST} numbers")
     if array.dtype.kind == "f":
         return array.astype(float).tolist()  # of a long double, too
     # Booleans are refused where they stand, as those of a file are; text of a name stays text.

@@ -14,7 +14,7 @@ from rodgen.errors import InputError
 from rodgen.model.terms import TERMS
 from rodgen.scene.examples import examples, find_example
 from rodgen.scene.integration import AUTO, IntegrationSettings, IntegrationTable, with_keywords
-from rodgen.scene.keys import NUMBERS, check_number_in_use, find_key, set_values, value_at
+from rodgen.scene.keys import NUMBERS, check_number_in_use, find_value, set_values
 from rodgen.scene.lookup_table import to_lists
 from rodgen.scene.mesh import with_links
 from rodgen.scene.plain_tables import read_toml, to_plain
@@ -196,8 +196,7 @@ class Scene(SceneTables, Plottable):
 
         Raises InputError for what is no key with one value.
         """
-        table = self.model_dump(exclude_none=True)
-        return value_at(table, find_key(table, key, field))
+        return find_value(self.model_dump(exclude_none=True), key, field)[1]
 
     @with_keywords
     def with_integrate(self, **given: Unpack[IntegrationSettings]) -> Self:
@@ -229,7 +228,7 @@ class Scene(SceneTables, Plottable):
         settings: all of [integrate].
         """
         made = self.model_copy(update={"integrate": settings})
-        made.__dict__.pop("_time_functions", None)
+        made.__dict__.pop("time_functions", None)
         return made
 
     def with_method(self, method: str) -> Scene:

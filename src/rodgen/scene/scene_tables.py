@@ -87,7 +87,7 @@ class SceneTables(Table):
         try:
             super().__init__(**tables)
         except ValidationError as error:
-            raise to_input_error(error, tables, type(self)) from None
+            raise to_input_error(error, type(self)) from None
 
     @field_validator("events", "bodies", "supports", mode="before")
     @classmethod
@@ -244,13 +244,9 @@ class SceneTables(Table):
         text = rate if isinstance(rate, str) else repr(float(rate))
         return parse_expression(text, "t", place, self._numbers, tuple(self.states))
 
-    @property
+    @cached_property
     def structure(self) -> st.Structure:
         """Structure to which its module is specialised: numbers in expressions are parameters."""
-        return self._structure
-
-    @cached_property
-    def _structure(self) -> st.Structure:
         rod = self.rod
         values = dict[str, Any]()
 
@@ -308,15 +304,11 @@ class SceneTables(Table):
         """Mass of the links and of all bodies at the start of the span [kg]."""
         return self.distribution.mass
 
-    @property
+    # Kept, as a run asks dozens of times; copies that are made here have other settings in
+    # [integrate] alone.
+    @cached_property
     def expressions(self) -> dict[str, Expression]:
         """Parameters that change with time or with the motion, by name."""
-        return self._expressions
-
-    # Kept, as a run asks dozens of times; copies that are made here have other settings in
-    # [integrate] alone. Pydantic takes names without an underscore for keys.
-    @cached_property
-    def _expressions(self) -> dict[str, Expression]:
         found = {name: self.expression(name) for name in self.loads.parameters}
         return {
             name: e
@@ -385,13 +377,9 @@ class SceneTables(Table):
             )
         )
 
-    @property
+    @cached_property
     def time_functions(self) -> TimeLaws:
         """Functions of time in the scene, over the span."""
-        return self._time_functions
-
-    @cached_property
-    def _time_functions(self) -> TimeLaws:
         laws = [*self.expressions.values(), *self.state_rates.values()]
         masses = [mass for *_, mass in self.distribution.changing_masses]
         fed = [*self.feedback_loads.values(), *self.state_rates.values()]

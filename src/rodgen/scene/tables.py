@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sized
+from collections.abc import Generator, Mapping, Sized
 from typing import Annotated, Any, Self
 
 import numpy as np
@@ -65,6 +65,11 @@ class Table(BaseModel):
             'Make another: scene.replace({"loads.gravity": None}), by the dotted name of the key'
         )
 
+    def __iter__(self) -> Generator[tuple[str, Any], None, None]:
+        """Yield keys and values; pydantic's would add what was computed from them and kept."""
+        for name in type(self).model_fields:
+            yield name, getattr(self, name)
+
     def __dir__(self) -> list[str]:
         """Names that editors complete, without pydantic's thirty, some of which warn."""
         hidden = {name for name in dir(BaseModel) if not name.startswith("_")}
@@ -75,9 +80,6 @@ class Table(BaseModel):
         for name in type(self).model_fields:
             self.__dict__[name] = make_immutable(self.__dict__[name])
         return self
-
-    def __hash__(self) -> int:
-        return hash(tuple(make_immutable(getattr(self, name)) for name in type(self).model_fields))
 
 
 def list_words(vocabulary: Mapping[str, Any], describe: bool = False) -> str:
@@ -105,7 +107,7 @@ def validate_tables(key: str, tables: Any, kind: type[Table]) -> list[Any]:
         try:
             made.append(kind.model_validate(table))
         except ValidationError as error:
-            found = to_input_error(error, dict(table), kind)
+            found = to_input_error(error, kind)
             raise InputError(f"{key}[{i}].{found.field}", found.value, found.allowed) from None
     return made
 

@@ -20,7 +20,7 @@ from rodgen.analyse.statics import Equilibrium
 from rodgen.analyse.steady_rod import SteadyRod
 from rodgen.arrays import Array
 from rodgen.display import Plottable
-from rodgen.errors import AnalysisError, InputError
+from rodgen.errors import AnalysisError, EmptyPictureError
 from rodgen.model.parameter import typeset
 from rodgen.model.term import FORCE, SPREAD, WEIGHT
 from rodgen.model.terms import TERMS
@@ -44,7 +44,7 @@ def mode_shapes(modes: Modes, scene: Scene) -> Figure:
     """Shapes of up to six modes, at both ends of their motion, on the steady state."""
     count = min(PANELS, len(modes.frequencies))
     if not count:
-        raise InputError("modes", modes, "at least one")
+        raise EmptyPictureError("modes", modes, "at least one")
     size = AMPLITUDE * np.linalg.norm(np.diff(modes.joints, axis=0), axis=1).sum()
     moved = size * modes.displacements[:count]
     low = (modes.joints - np.abs(moved)).min(axis=(0, 1)) - size / 3

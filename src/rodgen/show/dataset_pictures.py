@@ -94,6 +94,11 @@ def _pictures(data: xarray.Dataset) -> Mapping[str, Callable[[], Figure]]:
     return {curve.name: partial(curve.draw, data, scene_of(data))}
 
 
+def figure_of(data: xarray.Dataset) -> Figure:
+    """Draw the first picture of a Dataset into a figure of its own."""
+    return next(iter(_pictures(data).values()))()
+
+
 def describe(data: xarray.Dataset) -> str:
     """Describe the Dataset in a line."""
     if not is_known(data):

@@ -22,7 +22,7 @@ from rodgen.analyse.precision.rows import (
     read_text,
 )
 from rodgen.analyse.precision.work_precision import WorkPrecision
-from rodgen.errors import InputError
+from rodgen.errors import EmptyPictureError
 from rodgen.show.canvas import FAINT, GUIDE, INK, SERIES, TAIL, figure_without_window, make_figure
 
 # The colour of the series, from 1 on, and the mark.
@@ -244,7 +244,7 @@ def _draw_front(frame: Axes, rows: Sequence[Measurement], measure: str, trusted:
 def _draw_result(found: WorkPrecision) -> Figure:
     drawn = work_precision(found.rows, found.measure, found.trusted[found.measure] or 0.0)
     if drawn is None:
-        raise InputError("rows", len(found.rows), "at least one that can be drawn")
+        raise EmptyPictureError("rows", len(found.rows), "at least one that can be drawn")
     return drawn
 
 

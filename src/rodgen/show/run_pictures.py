@@ -13,7 +13,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
-from rodgen.errors import InputError
+from rodgen.errors import EmptyPictureError
 from rodgen.integrate import Solution
 from rodgen.model.terms import describe
 from rodgen.show.canvas import (
@@ -171,12 +171,12 @@ PICTURES: dict[str, Callable[[Solution], Figure]] = {
 
 
 def _restrict_to_drawable(draw: Callable[[Solution], Figure]) -> Callable[[Solution], Figure]:
-    """Limit a picture to what can be drawn of a run. It raises InputError where that is nothing."""
+    """Limit a picture to what can be drawn of a run; it raises an error where that is nothing."""
 
     def draw_part(solution: Solution) -> Figure:
         shown = drawable_part(solution)
         if not len(shown.t):
-            raise InputError("solution", solution, "a run with samples that can be drawn")
+            raise EmptyPictureError("solution", solution, "a run with samples that can be drawn")
         return draw(shown)
 
     return draw_part

@@ -93,7 +93,7 @@ def read_axis(name: str, table: Any, drawn: bool) -> Axis:
     try:
         read = Range.model_validate(table)
     except ValidationError as error:
-        found = to_input_error(error, table, Range)
+        found = to_input_error(error, Range)
         raise InputError(f"{field}.{found.field}", found.value, found.allowed) from None
     if read.values is not None:
         return _axis_from_list(name, field, read)
@@ -174,7 +174,7 @@ class Sample(Table):
         try:
             made = cls.model_validate(table)
         except ValidationError as error:
-            found = to_input_error(error, table, cls)
+            found = to_input_error(error, cls)
             raise InputError(f"sample.{found.field}", found.value, found.allowed) from None
         if made.method not in SAMPLED:
             raise InputError("sample.method", made.method, f"one of {', '.join(SAMPLED)}")

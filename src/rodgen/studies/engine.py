@@ -13,8 +13,7 @@ from typing import TYPE_CHECKING, Any, Protocol
 
 import numpy as np
 
-from rodgen.errors import InputError, StudyError
-from rodgen.extras import install_command
+from rodgen.errors import InputError, StudyError, install_command
 from rodgen.integrate.run_status import NO_RESULT
 from rodgen.progress import announce, format_duration, report_stages_to, show_count, show_work
 from rodgen.scene import Scene

@@ -12,7 +12,7 @@ from functools import cached_property
 from typing import Any
 
 from rodgen.scene import Scene
-from rodgen.scene.keys import find_key
+from rodgen.scene.keys import find_value
 from rodgen.studies.axis import EXTENDABLE, Axis, Sample, Value
 from rodgen.system import System
 
@@ -59,7 +59,7 @@ class Specification:
         """Path of every varied key through tables and lists of the scene, by its dotted name."""
         values = (one.values for one in self.axes if isinstance(one.values, tuple))
         laws = [value for of in values for value in of if isinstance(value, str)]
-        return {one.name: find_key(self.scene, one.name, others=laws) for one in self.axes}
+        return {one.name: find_value(self.scene, one.name, others=laws)[0] for one in self.axes}
 
     def place(self, name: str) -> tuple[str, ...]:
         """Return the path of a varied key through tables and lists of the scene, a body by its

@@ -9,12 +9,6 @@ import numpy as np
 
 from rodgen.arrays import Array
 from rodgen.scene import Scene, Structure
-from rodgen.scene.plain_tables import to_plain
-
-
-def to_plain_value(value: Any, place: str) -> Any:
-    """Convert a value to what a file has; most are numbers already."""
-    return value if type(value) is float else to_plain(value, place)
 
 
 def merge_changes(changes: dict[str, Any], given: dict[str, Any]) -> dict[str, Any]:

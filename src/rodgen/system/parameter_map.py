@@ -17,12 +17,11 @@ from rodgen.errors import InputError
 from rodgen.model.terms import PARAMETERS
 from rodgen.scene import Scene
 from rodgen.scene.expression import Expression, open_expression
-from rodgen.scene.keys import expression_texts, is_index
+from rodgen.scene.keys import NUMBERS, expression_texts, is_index
 from rodgen.scene.literals import replace_literal
 from rodgen.scene.plain_tables import get_at, is_number, set_at
 from rodgen.scene.tables import Finite, Table
 
-NUMBERS = "parameters"  # the table of numbers that have names
 MOST_KNOWN = 10**5  # values of a key of which it is remembered whether its table takes them
 NOWHERE: NDArray[np.intp] = np.array([], dtype=np.intp)
 _FINITE = TypeAdapter(Finite)
@@ -260,8 +259,8 @@ class ParameterMap:
         return set(expression_texts(self._source.model_dump(exclude_none=True)))
 
     def _initial_slot(self, keys: tuple[str, ...]) -> ParameterSlot | None:
-        scene, base = self._scene, 2 * self._scene.boundary_condition.translates
-        half = base + scene.rod.links - scene.n_fixed_links
+        scene, angles = self._scene, self._scene.structure.angle_slice
+        base, half = angles.start, angles.stop
         begin = {"position": 0, "phi": base, "velocity": half, "omega": half + base}.get(keys[1])
         if begin is None or (keys[1] == "position" and (scene.supports or scene.foundation)):
             return None
@@ -272,13 +271,8 @@ class ParameterMap:
     def _state_slot(self, keys: tuple[str, ...]) -> ParameterSlot | None:
         if len(keys) != 3 or keys[2] != "initial":
             return None
-        names = [*self._scene.states]
-        states = 2 * (
-            2 * self._scene.boundary_condition.translates
-            + self._scene.rod.links
-            - self._scene.n_fixed_links
-        )
-        at = np.array([states + names.index(keys[1])], dtype=np.intp)
+        first = 2 * self._scene.structure.angle_slice.stop
+        at = np.array([first + [*self._scene.states].index(keys[1])], dtype=np.intp)
         table = self._scene.states[keys[1]]
         return ParameterSlot(NOWHERE, at, table, keys[2:])
 

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import dataclass
 from functools import cached_property
-from typing import NamedTuple
+from typing import ClassVar
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -27,7 +28,8 @@ Beside = list[tuple[Array, float]]  # p, and how much each counts in a derivativ
 class ParameterRange:
     """A number of a system between two values, which leaves the structure of the equations.
 
-    system: whose number it is; key: of its scene; bounds: both values, in SI units.
+    system: whose number it is; key: of its scene; bounds: both values, in SI units; unit: the width
+    of the range.
     """
 
     def __init__(self, system: System, key: str, bounds: tuple[float, float]):
@@ -35,6 +37,7 @@ class ParameterRange:
         the structure, such as the number of links, or on which the equations do not depend; and for
         values that the scene refuses."""
         self.system, self.key, self.bounds = system, key, bounds
+        self.unit = abs(bounds[1] - bounds[0])
         self._systems: dict[float, System] = {}
         check_key(system, key)
         low, high = bounds
@@ -47,11 +50,6 @@ class ParameterRange:
             raise InputError("vary", key, SAME)
         if np.array_equal(made[0].p, made[1].p):
             raise InputError("vary", key, "a number that the equations depend on")
-
-    @property
-    def unit(self) -> float:
-        """Width of the range."""
-        return abs(self.bounds[1] - self.bounds[0])
 
     def at(self, value: float) -> System:
         """The system at a value. Raises AnalysisError where the scene refuses it."""
@@ -106,24 +104,18 @@ class ParameterRange:
         return bool((np.abs(here - p) <= ROUNDING * np.abs(here)).all())
 
 
-class ParameterLine(NamedTuple):
+@dataclass(frozen=True, eq=False)
+class ParameterLine:
     """Parameters p of a module as a linear function of a number.
 
-    start: p (width,) at the number 0; slope: by how much p changes with the number, (width,).
+    start: p (width,) at the number 0; slope: by how much p changes with the number, (width,);
+    bounds: of the number where it is a share; unit: the width of that range.
     """
 
     start: Array
     slope: Array
-
-    @property
-    def bounds(self) -> tuple[float, float]:
-        """Range of the number: a share, from 0 to 1."""
-        return 0.0, 1.0
-
-    @property
-    def unit(self) -> float:
-        """Width of the range."""
-        return 1.0
+    bounds: ClassVar[tuple[float, float]] = (0.0, 1.0)
+    unit: ClassVar[float] = 1.0
 
     @classmethod
     def of(cls, system: System, parts: Mapping[str, ArrayLike]) -> ParameterLine:

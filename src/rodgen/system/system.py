@@ -24,13 +24,7 @@ from rodgen.scene.plain_tables import to_plain
 from rodgen.scene.scene import with_values
 from rodgen.scene.time_laws import TimeLaws
 from rodgen.system.freezing import freeze, load_time
-from rodgen.system.packing import (
-    initial_values,
-    make_read_only,
-    merge_changes,
-    pack,
-    to_plain_value,
-)
+from rodgen.system.packing import initial_values, make_read_only, merge_changes, pack
 from rodgen.system.parameter_map import ParameterMap
 from rodgen.system.plausibility import angle_doubts, initial_angle_doubts
 
@@ -168,7 +162,9 @@ class System:
             allowed = 'a dictionary of values by dotted names, such as {"rod.length": 3}'
             raise InputError("changes", changes, allowed)
         if changes:
-            given = {str(k): to_plain_value(v, str(k)) for k, v in changes.items()}
+            given = {  # most values are plain already
+                str(k): v if type(v) is float else to_plain(v, str(k)) for k, v in changes.items()
+            }
             made = made._with_values(given)
             if not unused and made.structure is not self.structure:
                 made.source.check_numbers_in_use(given)
@@ -388,11 +384,6 @@ class System:
     def events(self) -> tuple[EventTable, ...]:
         """Events that runs look out for."""
         return tuple(self._base.events)
-
-    @cached_property
-    def extra_states(self) -> tuple[str, ...]:
-        """Names of the states that are neither positions nor velocities."""
-        return tuple(self._base.states)
 
     @cached_property
     def load_terms(self) -> tuple[str, ...]:

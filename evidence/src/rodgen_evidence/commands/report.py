@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from rodgen.cli.console import out, show_work
-from rodgen.cli.error_reports import FAILED_RUN, fail
+from rodgen.cli.exits import FAILED_RUN, fail
 from rodgen.cli.result_folders import make_writable
 from rodgen.errors import InputError
 from rodgen.scene import Scene

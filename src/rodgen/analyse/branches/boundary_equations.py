@@ -67,7 +67,7 @@ class ParameterPlane:
     @cached_property
     def n_added_states(self) -> int:
         """Number of added states, whose equations of first order are the last rows."""
-        return len(self.base.system.extra_states)
+        return len(self.base.system.structure.state_names)
 
     @cached_property
     def _basis(self) -> Array | None:
@@ -76,7 +76,7 @@ class ParameterPlane:
         if isinstance(linear, DensePencil) or not self.origin_state.has_free_rotation:
             return None
         dense = linear.to_dense()
-        return np.asarray(null_space((dense.M @ np.ones(len(dense.M)))[None]))
+        return np.asarray(null_space((dense.S2 @ np.ones(dense.size))[None]))
 
     def interpolate_if_bilinear(self, units: Array) -> None:
         """Interpolate the matrices from now on if they are bilinear in a and b. units: distances

@@ -80,7 +80,7 @@ def static_equilibria(system: System | Scene, *, t: float | None = None) -> list
         if rod.n_base:
             return [first]
     factor = RodRange.of_load(rod)
-    p = factor.parameters(0.0)
+    p = factor.numbers.parameters(0.0)
     bare, _ = straight_state(rod, p)
     found: list[tuple[Array, int]] = []
     problem = None

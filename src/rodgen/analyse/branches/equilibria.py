@@ -50,9 +50,9 @@ class Equilibria(ContinuationProblem):
     def _growth_counter(self, start: SteadyState, all_modes: bool) -> SmallMotions | None:
         """Counter of growing motions, in modes of the first state; if that turns freely, of one
         that does not, at an end of the range. None where stability cannot be counted."""
-        values = [value for value in self.along.bounds if start.has_free_rotation]
+        values = [value for value in self.along.numbers.bounds if start.has_free_rotation]
         for value in values:
-            p = self.along.parameters(value)
+            p = self.along.numbers.parameters(value)
             state, _ = straight_state(self.along.rod(value), p)
             if state is not None and not state.has_free_rotation:
                 start = state
@@ -68,11 +68,11 @@ class Equilibria(ContinuationProblem):
 
     def value(self, u: Array) -> float:
         """The varied number at u."""
-        return float(u[-1] * self.along.unit)
+        return float(u[-1] * self.along.numbers.unit)
 
     def scale(self, value: float) -> float:
         """Scale a value of the varied number to the last entry of u."""
-        return value / self.along.unit
+        return value / self.along.numbers.unit
 
     def solve_at(self, guess: Array, value: float) -> Array:
         """Find u of the branch at a value, near a guess. Raises AnalysisError."""
@@ -94,7 +94,7 @@ class Equilibria(ContinuationProblem):
         if self._last is None or self._last[0] != key:
             value = self.value(u)
             rod = self.along.rod(value)
-            self._last = key, self._make_state(rod, self.along.parameters(value), u)
+            self._last = key, self._make_state(rod, self.along.numbers.parameters(value), u)
         return self._last[1]
 
     @abstractmethod
@@ -196,7 +196,9 @@ def locate_crossing(problem: Equilibria, near: CurvePoint, s: complex) -> Specia
 
     kind = HOPF if s else BRANCH
     try:
-        found = solve_onset(equations_at, Onset(problem.value(near.u), s), problem.along.unit)
+        found = solve_onset(
+            equations_at, Onset(problem.value(near.u), s), problem.along.numbers.unit
+        )
         if abs(found.s - s) > ANOTHER * abs(s):
             raise AnalysisError("Newton's method led to a motion with another frequency")
     except AnalysisError as error:

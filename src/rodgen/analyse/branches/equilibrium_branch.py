@@ -249,7 +249,7 @@ def _resume_point(problem: Equilibria, before: SavedPoint) -> CurvePoint:
     """Correct a saved point to its branch, with a tangent away from its neighbour. Raises
     AnalysisError if it is no solution."""
     rod = problem.along.rod(before.values[0])
-    p = problem.along.parameters(before.values[0])
+    p = problem.along.numbers.parameters(before.values[0])
     here, *others = (
         problem.pack(problem.restore(rod, p, y, force), value)
         for (y, force), value in zip(before.states, before.values, strict=True)

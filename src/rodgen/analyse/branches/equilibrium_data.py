@@ -110,7 +110,7 @@ def _state_variables(
     shapes = {"value": (), "phi": (n,), "tip": (2,), "y": (len(base.scene.initial_state()),)}
     made = {name: np.zeros((len(points), *shape)) for name, shape in shapes.items()}
     made["force"] = np.zeros((len(points), cells, 2))
-    low, high = problem.along.bounds
+    low, high = problem.along.numbers.bounds
     for row, point in enumerate(points):
         state = problem.steady_state(point.u)
         rod, y = state.rod, state.y

@@ -51,7 +51,7 @@ class ChainEquilibria(Equilibria):
         here = self.steady_state(u)
         rod, cells = here.rod, here.implicit_blocks
         by_value = np.zeros(cells.residual.size)
-        for p, share in self.along.difference_points(self.value(u)):
+        for p, share in self.along.numbers.difference_points(self.value(u)):
             by_value += share * ImplicitBlocks.at(rod, here.at, p).residual.ravel()
         by_value *= self.rows
         F = self.rows * cells.residual.ravel()
@@ -89,8 +89,8 @@ class RodEquilibria(Equilibria):
         start, ways = self.start, np.zeros(len(basis))
         ways[start.rod.n_base : start.rod.n_base + start.rod.n_moving] = 1.0
         turning = basis.T @ ways
-        for value in self.along.bounds:
-            rod, p = self.along.rod(value), self.along.parameters(value)
+        for value in self.along.numbers.bounds:
+            rod, p = self.along.rod(value), self.along.numbers.parameters(value)
             slope = DenseBalance(rod, rod.state_at_rest(start.at), p, 0.0).residual_jacobian
             reduced = basis.T @ slope @ basis
             if np.abs(reduced @ turning).max() > NEUTRAL * np.abs(reduced).max():
@@ -116,7 +116,7 @@ class RodEquilibria(Equilibria):
         rod, y = here.rod, here.rod.state_at_rest(here.at)
         balance = DenseBalance(rod, y, here.p, 0.0)
         by_value = np.zeros(len(self.basis))
-        for p, share in self.along.difference_points(self.value(u)):
+        for p, share in self.along.numbers.difference_points(self.value(u)):
             by_value += share * DenseBalance(rod, y, p, 0.0).residual
         reduced = self.basis.T @ balance.residual_jacobian @ self.basis
         J = self.rows[:, None] * np.column_stack((reduced * self.columns, self.basis.T @ by_value))
@@ -150,7 +150,7 @@ def equilibrium_problem(along: RodRange, start: SteadyState, all_modes: bool = F
     rod = start.rod
     if rod.n_base and not (rod.has_supports or rod.has_feedback):
         return StraightFlight(along, start, all_modes)
-    if rod.is_chain and all(_turns_freely(along, start, end) for end in along.bounds):
+    if rod.is_chain and all(_turns_freely(along, start, end) for end in along.numbers.bounds):
         return StraightFlight(along, start, all_modes)
     if rod.n_base or rod.has_feedback:
         return RodEquilibria(along, start, all_modes)
@@ -162,5 +162,5 @@ def _turns_freely(along: RodRange, start: SteadyState, value: float) -> bool:
     value."""
     if not start.has_free_rotation:
         return False
-    state, _ = straight_state(along.rod(value), along.parameters(value))
+    state, _ = straight_state(along.rod(value), along.numbers.parameters(value))
     return state is not None and state.has_free_rotation

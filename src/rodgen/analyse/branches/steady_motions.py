@@ -159,7 +159,7 @@ class SteadyMotions(Equilibria):
         made = self._balance(here)
         F = made.rates
         by_value = np.zeros(len(F))
-        for p, share in self.along.difference_points(self.value(u)):
+        for p, share in self.along.numbers.difference_points(self.value(u)):
             beside = self._balance(SteadyMotion(here.rod, here.at, p, here.velocity, here.spin))
             by_value += share * beside.rates
         if self.turns:  # of all that are turned against each other, one

@@ -16,7 +16,7 @@ from types import ModuleType
 import numpy as np
 
 from rodgen.analyse.analysis_guard import guard_analysis
-from rodgen.analyse.chaos.metrics import EuclideanMetric, KineticMetric, Metric
+from rodgen.analyse.chaos.metrics import Metric
 from rodgen.analyse.chaos.zero_exponents import zero_exponents
 from rodgen.analyse.chaos.zero_one import LEAST, decimate, zero_one_test
 from rodgen.analyse.memory_needs import EXPONENTS, check_analysis_memory
@@ -249,7 +249,7 @@ class _TangentMotion:
         self._p = p
         y = scene.initial_state()
         self.volumes = count == len(y)
-        self._form: Metric = KineticMetric(model, self._p) if self.volumes else EuclideanMetric()
+        self._form = Metric(model if self.volumes else None, self._p)
         frame = np.linalg.qr(np.random.default_rng(0).standard_normal((len(y), count)))[0].T
         start, steps = scene.integrate.span[0], StepSettings.of(scene)
         # Implicit steps need not follow what dies out at once, unless its own rate is asked for.

@@ -230,7 +230,7 @@ def _initial_guesses(system: System, y: ArrayLike | None) -> Iterator[Array]:
             raise InputError("y", f"of shape {state.shape}", f"a state, ({len(given)},)")
         yield state
         return
-    half = (len(given) - len(system.extra_states)) // 2
+    half = (len(given) - len(system.structure.state_names)) // 2
     still = given.copy()
     still[half : 2 * half] = 0.0
     yield still

@@ -99,7 +99,7 @@ def hopf_point(
             f"no Hopf point at {value:.9g}: the rod is not at rest there, but accelerates in a way "
             "that its motion follows; start from a run"
         )
-    step = SIDE * problem.along.unit
+    step = SIDE * problem.along.numbers.unit
 
     def nearest_eigenvalue(there: float) -> complex:
         y = problem.steady_state(problem.solve_at(special.u, there)).y
@@ -107,7 +107,7 @@ def hopf_point(
         return complex(s[np.abs(s - 1j * frequency).argmin()])
 
     slope = (nearest_eigenvalue(value + step) - nearest_eigenvalue(value - step)) / (2 * step)
-    if abs(slope.real) * problem.along.unit <= TOUCH * frequency:
+    if abs(slope.real) * problem.along.numbers.unit <= TOUCH * frequency:
         raise AnalysisError(f"the oscillation at {value:.9g} does not cross: it only touches")
     led = np.union1d(of.led, of.velocity)
     way, c = normal_form(lambda x: flow.jacobian(0.0, x), x, frequency, of.angles, led)

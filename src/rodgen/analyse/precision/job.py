@@ -17,7 +17,7 @@ from rodgen.errors import AnalysisError, InputError
 from rodgen.loading import build
 from rodgen.loading.generated_module import call_module
 from rodgen.scene import Scene
-from rodgen.system.freezing import freeze_masses
+from rodgen.system.freezing import masses_at
 
 PARTS = "rhs", "jac", "mass", "power", "quantities", "flow", "newton"  # of the module
 SAMPLES = 100  # intervals between the states that are compared
@@ -37,12 +37,6 @@ MEASURES = (
 Errors = dict[str, float | None]
 
 
-def without_events(table: dict[str, Any]) -> dict[str, Any]:
-    """Remove the events from the tables of a scene: peers know nothing of them, and states can be
-    compared only where all of them reach the end."""
-    return {name: value for name, value in table.items() if name != "events"}
-
-
 @dataclass(frozen=True, eq=False)
 class Job:
     """A scene that every contestant integrates, with states at the same times."""
@@ -52,8 +46,12 @@ class Job:
 
     @classmethod
     def of(cls, name: str, table: dict[str, Any]) -> Job:
-        """Create a job from a scene's tables; its samples are a hundredth of the span apart."""
-        scene = Scene.from_dict(without_events(table))
+        """Create a job from a scene's tables; its samples are a hundredth of the span apart.
+
+        Without events: peers know nothing of them, and states can be compared only where all of
+        them reach the end.
+        """
+        scene = Scene.from_dict(table | {"events": []})
         first, last = scene.integrate.span
         return cls(name, scene.with_integrate(output_every=(last - first) / SAMPLES))
 
@@ -87,11 +85,18 @@ class Job:
         times: Array = np.asarray(self.scene.integrate.sample_times)
         return times
 
-    @property
-    def stretches(self) -> list[tuple[float, float]]:
-        """Parts of the span in which loads are smooth: every method steps onto their ends."""
+    @cached_property
+    def stretches(self) -> list[Stretch]:
+        """Parts of the span in which loads are smooth: every method steps onto their ends. The
+        start of the job is among the times of none."""
         first, last = self.span
-        return list(pairwise([first, *self.scene.breaks(), last]))
+        same, found = SAME * (last - first), []
+        for begin, end in pairwise([first, *self.scene.breaks(), last]):
+            inside = (self.sample_times > begin + same) & (self.sample_times < end - same)
+            inner = self.sample_times[inside]
+            sampled = bool((np.abs(self.sample_times - end) <= same).any())
+            found.append(Stretch(begin, end, np.append(inner, end), len(inner) + sampled))
+        return found
 
     @cached_property
     def mode_projections(self) -> Array | None:
@@ -148,24 +153,11 @@ class Stretch(NamedTuple):
         return min(max(t, self.first + EDGE), self.last - EDGE)
 
 
-def split_job(job: Job) -> list[Stretch]:
-    """Split a job into stretches with their samples; the start of the job is in none."""
-    first, last = job.span
-    same, found = SAME * (last - first), []
-    for begin, end in job.stretches:
-        inner = job.sample_times[
-            (job.sample_times > begin + same) & (job.sample_times < end - same)
-        ]
-        sampled = bool((np.abs(job.sample_times - end) <= same).any())
-        found.append(Stretch(begin, end, np.append(inner, end), len(inner) + sampled))
-    return found
-
-
 def integrate_stretches(job: Job, over: Callable[[Stretch, Array], Array]) -> Array:
     """Integrate a job by stretches; return states at the samples (samples, states). over: maps a
     stretch and the state at its start to the states at its times."""
     y, rows = job.initial_state, [job.initial_state[None]]
-    for stretch in split_job(job):
+    for stretch in job.stretches:
         states = over(stretch, y)
         if len(states) != len(stretch.times):
             raise ArithmeticError(f"ended after {len(states)} of {len(stretch.times)} samples")
@@ -263,9 +255,10 @@ class Measures:
 
 def without_loads(scene: Scene) -> Scene:
     """Remove the loads from a scene; its bodies are those at the start, its boundary is kept."""
-    nothing: dict[str, Any] = {"loads": {}, "states": {}, "initial": {}, "integrate": {}}
-    nothing |= {"supports": [], "events": [], "foundation": None}
-    return freeze_masses(scene, scene.integrate.span[0]).replace(nothing)
+    changes = masses_at(scene, scene.integrate.span[0])
+    changes |= {"loads": {}, "states": {}, "initial": {}, "integrate": {}}
+    changes |= {"supports": [], "events": [], "foundation": None}
+    return scene.replace(changes)
 
 
 def _as_float(value: float | None) -> float | None:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import warnings
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass, field
 from math import ceil
 from typing import Any
 
@@ -43,42 +42,22 @@ EVERY = 256  # calls between two looks at the deadline
 LARGEST = 600  # links with a dense Jacobian: beyond, a factorisation takes a second
 
 
-@dataclass(frozen=True)
-class LazyFamily:
-    """A family of settings before anything of it is run."""
-
-    who: str
-    method: str
-    target: str
-    make: Callable[[], Family]
-    setup: dict[str, float] = field(default_factory=dict)
-
-
-def families(
-    job: Job, quick: bool, setup: dict[str, float], numpy: bool = True
-) -> list[LazyFamily]:
-    """List all methods in C, and some in Python if `numpy`; setup: seconds of making both modules,
-    by target and kind."""
+def own_methods(job: Job, numpy: bool = True) -> list[tuple[str, str]]:
+    """List rodgen's methods and their targets: all in C, and some in Python if `numpy`."""
     found = [(method, "c") for method in (*FIXED_STEP, *ADAPTIVE)]
     if numpy and job.scene.rod.links <= MOST_LINKS:
         found += [(method, "numpy") for method in NUMPY]
-    return [_lazy_family(job, method, target, quick, setup) for method, target in found]
+    return found
 
 
-def _lazy_family(
-    job: Job, method: str, target: str, quick: bool, setup: dict[str, float]
-) -> LazyFamily:
-    taken = {k.split("_", 1)[1]: v for k, v in setup.items() if k.startswith(f"{target}_")}
-    fixed = method in FIXED_STEP
-
-    def make() -> Family:
-        if fixed:
-            return (
-                contestant(job, method, target, step=h) for h in step_settings(job, method, quick)
-            )
-        return (contestant(job, method, target, rtol=rtol) for rtol in tolerance_decades(quick))
-
-    return LazyFamily("rodgen", method, target, make, taken)
+def own_family(job: Job, method: str, target: str, quick: bool) -> Family:
+    """Yield settings of one of rodgen's methods."""
+    if method in FIXED_STEP:
+        for step in step_settings(job, method, quick):
+            yield contestant(job, method, target, step=step)
+    else:
+        for rtol in tolerance_decades(quick):
+            yield contestant(job, method, target, rtol=rtol)
 
 
 # Names in the statistics of a run, in the order of COUNTS.

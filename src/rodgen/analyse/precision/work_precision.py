@@ -27,7 +27,7 @@ from rodgen.analyse.precision.contestant import (
     sweep_methods,
 )
 from rodgen.analyse.precision.job import Errors, Job, Measures
-from rodgen.analyse.precision.method_families import contestant, families
+from rodgen.analyse.precision.method_families import contestant, own_family, own_methods
 from rodgen.analyse.precision.rows import (
     find_cheapest,
     format_setting,
@@ -347,15 +347,16 @@ def work_precision(
     job = Job.of(scene.name, scene.model_dump(exclude_none=True))
     progress("reference")
     found = compute_reference(job, SHARE * seconds)
-    own = families(job, False, {}, numpy=False)
+    own = own_methods(job, numpy=False)
     share = (1 - SHARE) * seconds / (len(own) + len(SCIPY))
     limits = Limits(share / 2, share)
     rows: list[Measurement] = []
     known: Measurement = {"scene": scene.name, "n": scene.rod.links, "family": ""}
-    for one in own:
-        progress(one.method)
-        who: Measurement = {"who": one.who, "method": one.method, "target": one.target}
-        rows += sweep(one.make(), known | who, found.measures(job, one.method), limits)
+    for method, target in own:
+        progress(method)
+        who: Measurement = {"who": "rodgen", "method": method, "target": target}
+        family = own_family(job, method, target, quick=False)
+        rows += sweep(family, known | who, found.measures(job, method), limits)
     for name in SCIPY:
         progress(f"SciPy {name}")
         rows += _sweep_scipy(job, name, known, found.measures(job, name), limits)

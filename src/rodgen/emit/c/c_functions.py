@@ -11,8 +11,7 @@ from typing import Any
 from rodgen.derive.implicit_form import UNKNOWNS
 from rodgen.derive.symbols import i
 from rodgen.emit.c import lane_functions
-from rodgen.emit.c.language import SCENE
-from rodgen.emit.c.loop_writer import Code, LoopWriter
+from rodgen.emit.c.loop_writer import SCENE, Code, LoopWriter
 from rodgen.emit.masses import Masses
 from rodgen.emit.outputs import Functions
 from rodgen.emit.program import AnalysedFunction

@@ -5,8 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
-from rodgen.emit.c.language import SCENE
-from rodgen.emit.c.loop_writer import Code, LoopWriter
+from rodgen.emit.c.loop_writer import SCENE, Code, LoopWriter
 from rodgen.emit.masses import Masses
 from rodgen.emit.outputs import Functions
 from rodgen.emit.statements import Domain, Outputs

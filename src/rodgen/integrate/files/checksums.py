@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 
 from rodgen.errors import InputError
 from rodgen.integrate.files.netcdf import NUMRECS, PAGE, Header
-from rodgen.integrate.stepper import Counts, Stats
+from rodgen.integrate.stepper import Stats
 from rodgen.result import REMARK, Note
 
 CHECKSUM = "checksum"  # last in a record
@@ -28,7 +28,7 @@ EVENT = "event_number", "event_time", "event_y", "event_checksum"
 RUN = "run"  # the variable with the text
 SEAL = b'{"checksum": "', 8  # how a sealed text begins, and digits that follow
 RUNNING = "running"  # status in a file whose run has not ended
-NO_STATS = Stats.of(Counts(), 0.0)
+NO_STATS = Stats()
 
 
 def checksum_of_header(header: Header, read: Callable[[int, int], bytes]) -> int:
@@ -79,8 +79,6 @@ def is_intact(text: bytes) -> bool:
 
 
 LEFT_OUT = "a file has no room for the other notes of the run"
-# What these numbers were called in files before.
-FORMER = {"steps": "nsteps", "rhs": "nfev", "jacobian": "njev", "factorisations": "nlu"}
 
 
 class RunState(NamedTuple):
@@ -118,20 +116,7 @@ class RunState(NamedTuple):
         """Decode what `text` made; raises InputError for other text, in the file at path."""
         if not is_intact(text):
             raise InputError("file", str(path), "as it was written (damaged: how the run went)")
-        return cls._of(text)
-
-    @classmethod
-    def of_former(cls, text: bytes, samples: int, events: int) -> RunState:
-        """Decode the text of a file without checksums, which counts samples, events elsewhere."""
-        return cls._of(text)._replace(samples=samples, events=events)
-
-    @classmethod
-    def _of(cls, text: bytes) -> RunState:
         run = json.loads(text)
-        stats = run["stats"] and Stats(**{FORMER.get(k, k): v for k, v in run["stats"].items()})
-        lost, samples, events, fixed = (
-            int(run.get(name, 0)) for name in ("lost", "samples", "events", "fixed")
-        )
-        notes = tuple(Note(**one) for one in run.get("notes", ()))
-        how = str(run["status"]), str(run["message"]), stats
-        return cls(*how, lost, samples, events, fixed, notes)
+        run["stats"] = run["stats"] and Stats(**run["stats"])
+        run["notes"] = tuple(Note(**one) for one in run["notes"])
+        return cls(**{name: run[name] for name in cls._fields})

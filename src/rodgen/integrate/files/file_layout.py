@@ -75,28 +75,11 @@ def parameter_names(scene: Scene) -> list[str]:
     return names
 
 
-def changes_in(
-    records: NDArray[Any], scene: Scene, kept: NDArray[np.intp] | slice = slice(None)
-) -> Changes | None:
+def changes_in(records: NDArray[Any]) -> Changes | None:
     """Changes in the run of some records of a file; None for a run that was not changed."""
     if PARAMETERS not in (records.dtype.names or ()):
         return None
-    return Changes(
-        _fill_parameters(native_copy(records[PARAMETERS][kept]), scene),
-        native_copy(records[GIVEN][kept]),
-    )
-
-
-def _fill_parameters(p: Array, scene: Scene) -> Array:
-    """Parameters (T, parameters) from those of a file, which may lack numbers of expressions."""
-    structure = scene.structure
-    missing = [structure.indices[name] for name in structure.numbers]
-    if p.shape[1] != structure.width - len(missing):
-        return p
-    whole = np.empty((len(p), structure.width))
-    whole[:, missing] = [scene.parameters[name] for name in structure.numbers]
-    whole[:, np.delete(np.arange(structure.width), missing)] = p
-    return whole
+    return Changes(native_copy(records[PARAMETERS]), native_copy(records[GIVEN]))
 
 
 def native_copy(values: NDArray[Any]) -> Array:

@@ -3,17 +3,14 @@
 from __future__ import annotations
 
 from pathlib import Path
-from types import ModuleType
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from rodgen.arrays import Array
-from rodgen.errors import InputError
 from rodgen.integrate.files.checksums import NO_STATS, RUNNING
 from rodgen.integrate.files.file_layout import WORK, changes_in, native_copy
-from rodgen.integrate.files.netcdf import RecordFile
 from rodgen.integrate.files.result_file import ResultFile, as_input_error, warn_of_notes
 from rodgen.integrate.run_status import INTERRUPTED
 from rodgen.integrate.solution import Solution
@@ -24,8 +21,7 @@ from rodgen.system import System
 def load(path: str | Path, most: int | None = None, *, strict: bool = True) -> Solution:
     """Read a Solution from a NetCDF file that rodgen wrote.
 
-    The run of a file that has not been ended counts as interrupted. Files of rodgen before format
-    "rodgen 3" cannot be checked, and are warned of.
+    The run of a file that has not been ended counts as interrupted.
 
     Parameters
     ----------
@@ -51,7 +47,7 @@ def load(path: str | Path, most: int | None = None, *, strict: bool = True) -> S
     Warns
     -----
     FileWarning
-        Of what is left out, and of what cannot be checked.
+        Of what is left out.
 
     Examples
     --------
@@ -83,7 +79,7 @@ def solution_of(
         terms = [name for name in records.dtype.names or () if name.startswith(WORK)]
         work = {name[len(WORK) :]: native_copy(taken[name]) for name in terms}
         t, y = native_copy(taken["time"]), native_copy(taken["y"])
-        changes = changes_in(taken, file.scene)
+        changes = changes_in(taken)
         if y.shape[1:] != file.scene.initial_state().shape:
             raise ValueError("not so: y")
         events = file.events()
@@ -93,7 +89,7 @@ def solution_of(
         status, message = INTERRUPTED, _killed_message(t, file.scene)
     if run.lost:
         message = f"{message}; {run.lost} more events than the file has room for"
-    for note in file.notes if file.checked else ():
+    for note in file.notes:
         message = f"{message}; {note}"
     how = status, message.lstrip("; ")
     stats = run.stats or NO_STATS
@@ -107,42 +103,3 @@ def _killed_message(t: Array, scene: Scene) -> str:
     """Message of a run that was killed: how far it came."""
     at = f"killed after t = {t[-1]:.9g} s" if len(t) else "killed before its first sample"
     return f"{at} of {scene.integrate.span[1]:.9g} s; rodgen run --resume continues it"
-
-
-class Excerpt:
-    """Result file whose samples are read on demand. scene: of its run; model: its module, where it
-    is built; t: times of its samples that are not damaged [s], (T,); notes: remarks on the file.
-
-    Raises InputError for files that rodgen did not write, and, unless strict is False, for those
-    that are not as they were written.
-    """
-
-    def __init__(self, path: Path, strict: bool = True):
-        self.path = path
-        self.model: ModuleType | None = None
-        with ResultFile(path, strict) as file, as_input_error(path):
-            records, self._good = file.samples()
-            file.events()  # none of them is shown, but a damaged file is to be told of
-            self.t = native_copy(records["time"])[self._good]
-            states = records["y"].shape[1:]
-            self.scene, self.notes = file.scene, tuple(file.notes)
-            self._header, self._run = file.header, file.run
-        if states != self.scene.initial_state().shape:
-            raise InputError("file", str(path), "written by rodgen (not so: y)")
-
-    def read(self, kept: NDArray[np.intp]) -> Solution:
-        """Read the samples with these numbers, without their work and events."""
-        try:
-            with RecordFile(self.path, self._header, "r") as file:
-                file.count = int(self._good[-1]) + 1
-                records, numbers = file.records(), self._good[kept]
-                y, changes = (
-                    native_copy(records["y"][numbers]),
-                    changes_in(records, self.scene, numbers),
-                )
-        except (OSError, ValueError) as error:  # it was changed meanwhile
-            raise InputError("file", str(self.path), f"as it was ({error})") from None
-        stats = self._run.stats or NO_STATS
-        run = self._run
-        how = run.status, run.message, self.model
-        return Solution(System(self.scene), self.t[kept], y, {}, stats, *how, changes=changes)

@@ -21,7 +21,6 @@ from rodgen.integrate.run_status import INTERRUPTED
 from rodgen.integrate.trajectory import Event
 from rodgen.scene import Scene
 
-BEFORE = "rodgen 2"  # the format without checksums
 BLOCK = 2**20  # bytes of records that are checked at once
 NAMED = 3  # stretches of damaged samples that are named one by one
 # What contents that are none of ours end in.
@@ -29,7 +28,7 @@ STRANGE = LookupError, TypeError, ValueError, ArithmeticError, AttributeError, R
 
 
 class FileWarning(UserWarning):
-    """A result file that could not be checked, or of which not all could be read.
+    """A result file of which not all could be read.
 
     Examples
     --------
@@ -44,8 +43,8 @@ class FileWarning(UserWarning):
 
 
 class ResultFile:
-    """Result file, open to be read. scene: that of its run; run: how that went; checked: whether it
-    has checksums; notes: remarks on it.
+    """Result file, open to be read. scene: that of its run; run: how that went; notes: what is
+    left out of it.
 
     strict: raise InputError for any damage that is found. Otherwise samples, events and the text of
     the run are left out where they are damaged, and notes say so; the header, with the scene, has
@@ -57,24 +56,18 @@ class ResultFile:
         self.notes: list[str] = []
         self._guessed = False
         self.header = header_of(path)
-        self.checked = self.header.attributes["format"] == FORMAT
-        if self.checked != (checksums.CHECKSUM in self.header.variables):
+        if checksums.CHECKSUM not in self.header.variables:
             raise self._damage_error("its header")
         with as_input_error(path):
             self._file = RecordFile(path, self.header, "r")
         try:
             with as_input_error(path):
-                self.run = self._read_run() if self.checked else self._read_former_run()
+                self.run = self._read_run()
                 self.scene = scene_of(self.header, path)
         except BaseException:
             self._file.close()
             raise
         self._file.count = self.run.samples
-
-    def _read_former_run(self) -> RunState:
-        self.notes.append(f"{self.path} is of the format {BEFORE!r}: damage to it goes unseen")
-        text = self._file.read_fixed(checksums.RUN).tobytes()
-        return RunState.of_former(text, self.header.records, self._count_events())
 
     def _read_run(self) -> RunState:
         """Read how the run went, where the header is as it was written."""
@@ -127,7 +120,7 @@ class ResultFile:
             raise self._damage_error("how the run went, and all of its samples")
         if not good.all():
             self._report_damage(_name_gaps(good, native_copy(records["time"])))
-        elif most is None and surplus and self.run.status != RUNNING and self.checked:
+        elif most is None and surplus and self.run.status != RUNNING:
             self._report_damage("bytes behind its samples")
         return records, np.flatnonzero(good)
 
@@ -137,8 +130,6 @@ class ResultFile:
 
     def _good(self, records: NDArray[Any]) -> NDArray[np.bool_]:
         """Mask of the records that are as they were written."""
-        if not self.checked:
-            return np.ones(len(records), bool)
         step = max(1, BLOCK // records.dtype.itemsize)
         parts = [np.empty(0, bool)]
         for at in range(0, len(records), step):
@@ -152,10 +143,8 @@ class ResultFile:
         """Events that are good."""
         if "event_number" not in self.header.variables:
             return ()
-        number, t, y = (self._file.read_fixed(name) for name in checksums.EVENT[:3])
-        kept = np.flatnonzero(number >= 0)
-        if self.checked:
-            kept = self._good_events(number, t, y, self._file.read_fixed(checksums.EVENT[3]))
+        number, t, y, found = (self._file.read_fixed(name) for name in checksums.EVENT)
+        kept = self._good_events(number, t, y, found)
         with as_input_error(self.path):
             names = [self.scene.events[k].name for k in number[kept]]
         return tuple(map(Event, names, map(float, t[kept]), native_copy(y[kept])))
@@ -229,14 +218,12 @@ def header_of(path: Path) -> Header:
     """Header of a result file; raises InputError for other files."""
     try:
         with open(path, "rb") as file:
-            if file.read(4) == b"\x89HDF":
-                raise ValueError("HDF5: from rodgen before 'rodgen 2'")
             header = read_header(file)
     except (OSError, ValueError) as error:
         scene = Path(path).suffix == ".toml"
         reason = "Scene.from_toml reads scenes" if scene else str(error).splitlines()[0]
         raise InputError("file", str(path), f"a NetCDF file that can be read ({reason})") from None
-    if header.attributes.get("format") not in (FORMAT, BEFORE):
+    if header.attributes.get("format") != FORMAT:
         raise InputError("file", str(path), f"written by rodgen (format {FORMAT!r})")
     return header
 

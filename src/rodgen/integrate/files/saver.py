@@ -103,17 +103,16 @@ class Saver:
         saver._state, saver.resumed = state, True
         return saver
 
-    def restore(self, machine: Integrator) -> bool:
-        """Restore an integrator from the checkpoint; False where there is none."""
+    def restore(self, machine: Integrator) -> None:
+        """Restore an integrator from the checkpoint, where there is one."""
         if not self._state:
-            return False
+            return
         try:
             machine.restore(self._state)
         except (KeyError, ValueError) as error:
             raise InputError(
                 "checkpoint", str(self.stream and self.stream.path), str(error)
             ) from None
-        return True
 
     def attach(
         self,

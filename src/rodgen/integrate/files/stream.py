@@ -23,7 +23,7 @@ from rodgen.integrate.files.file_layout import (
     variables_of,
 )
 from rodgen.integrate.files.netcdf import MOST, Header, RecordFile, empty_file, read_header
-from rodgen.integrate.files.result_file import BEFORE, ResultFile, open_header
+from rodgen.integrate.files.result_file import ResultFile, open_header
 from rodgen.integrate.stepper import Stats
 from rodgen.integrate.trajectory import Changes, Trajectory
 from rodgen.loading import build
@@ -92,8 +92,6 @@ class Stream:
         they were written, BuildError where the module cannot be built.
         """
         with ResultFile(path) as file:
-            if not file.checked:
-                raise InputError("file", str(path), f"in rodgen's present format, not {BEFORE!r}")
             file.samples(most)
             file.events()
             header, system = file.header, System(file.scene)

@@ -11,8 +11,7 @@ import scipy.integrate
 from scipy.integrate import DOP853, OdeSolver
 
 from rodgen.arrays import Array
-from rodgen.errors import InputError
-from rodgen.extras import install_command
+from rodgen.errors import InputError, install_command
 from rodgen.integrate.stepper import Counts, InitialValueProblem, Interpolant, StepError
 from rodgen.model.methods import METHODS
 from rodgen.model.methods.dop853 import HALVED, LARGEST_LAST, MOST_PARTS

@@ -63,22 +63,20 @@ def animate(
     called in any thread. Raises InputError for what cannot be used.
     """
     settings = FilmSettings(fps, speed, view, width, height, bounds)
-    return write_film(solution.t, solution.isel, path, settings, progress)
+    planned = plan_frames(solution.t, settings)
+    return write_film(solution.isel(planned.kept), planned, path, settings, progress)
 
 
 def write_film(
-    t: Array,
-    at: Callable[[NDArray[np.intp]], Solution],
+    solution: Solution,
+    planned: FramePlan,
     path: Path,
     settings: FilmSettings,
     progress: Progress | None = None,
 ) -> Film:
-    """Write an animation of a run with samples at times t [s], (T,); at: returns those of given
-    numbers."""
+    """Write an animation of a run from those of its samples that the plan keeps."""
     path = Path(path)
     check_file(path, settings)
-    planned = plan_frames(t, settings)
-    solution = at(planned.kept)
     frames, notes = _drawable_frames(solution, planned)
     moved = sample_motion(solution.head(int(frames[-1]) + 1))
     picture = FrameRenderer(moved, solution.scene, settings, planned.speed)

@@ -16,8 +16,7 @@ from numpy.typing import NDArray
 from PIL import GifImagePlugin, Image
 from scipy.spatial import KDTree
 
-from rodgen.errors import InputError
-from rodgen.extras import install_command
+from rodgen.errors import InputError, install_command
 from rodgen.show.animation.frame_times import FilmSettings
 
 Pixels = NDArray[np.uint8]

@@ -12,7 +12,7 @@ from rodgen.integrate import Solution
 from rodgen.progress import show_run
 from rodgen.show.animation.film import Film, write_film
 from rodgen.show.animation.film_files import find_ffmpeg
-from rodgen.show.animation.frame_times import FilmSettings
+from rodgen.show.animation.frame_times import FilmSettings, plan_frames
 
 
 @dataclass(frozen=True, repr=False)
@@ -53,5 +53,6 @@ def make_video(solution: Solution, settings: FilmSettings) -> Video:
     first, last = (float(solution.t[at]) for at in (0, -1)) if len(solution.t) else (0.0, 0.0)
     with tempfile.TemporaryDirectory() as folder, show_run("drawing", first, last) as update:
         path = Path(folder) / f"film{ending}"
-        made = write_film(solution.t, solution.isel, path, settings, update)
+        planned = plan_frames(solution.t, settings)
+        made = write_film(solution.isel(planned.kept), planned, path, settings, update)
         return Video(path.read_bytes(), ending, made, settings.width)

@@ -16,7 +16,7 @@ import casadi as ca
 import numpy as np
 
 import rodgen
-from rodgen.analyse.precision.job import SAMPLES, Job, Stretch, split_job
+from rodgen.analyse.precision.job import SAMPLES, Job, Stretch
 from rodgen.analyse.precision.method_families import SHARE, scipy_tolerances
 from rodgen.arrays import Array
 from rodgen_evidence.report.peers import chain, loads
@@ -71,7 +71,7 @@ class Rod(Peer):
     def __init__(self, job: Job, method: str):
         super().__init__(job, method)
         begin = time.perf_counter()
-        self.parts = split_job(job)
+        self.parts = job.stretches
         self.made = {part.first: equations(job.scene, part.middle) for part in self.parts}
         self.written = time.perf_counter() - begin
         self.plugin, self.options = METHODS[method]

@@ -15,7 +15,7 @@ import heyoka as hy
 import numpy as np
 
 from rodgen.analyse.precision.contestant import Deadline, NotModelledError
-from rodgen.analyse.precision.job import Job, Stretch, split_job
+from rodgen.analyse.precision.job import Job, Stretch
 from rodgen.arrays import Array
 from rodgen_evidence.report.peers import chain, loads
 from rodgen_evidence.report.peers.peer import Over, Peer
@@ -65,7 +65,7 @@ class Rod(Peer):
     def prepared(self, setting: float) -> Over:
         """Compiled for every stretch."""
         hy.llvm_state.clear_memcache()
-        begin, parts = time.perf_counter(), split_job(self.job)
+        begin, parts = time.perf_counter(), self.job.stretches
         written = [equations(self.job, stretch.middle) for stretch in parts]
         middle = time.perf_counter()
         self.series = [

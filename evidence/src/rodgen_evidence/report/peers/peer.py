@@ -25,7 +25,7 @@ from rodgen.analyse.precision.contestant import (
     RunResult,
     TooSlowError,
 )
-from rodgen.analyse.precision.job import SAMPLES, Job, Stretch, integrate_stretches, split_job
+from rodgen.analyse.precision.job import SAMPLES, Job, Stretch, integrate_stretches
 from rodgen.arrays import Array
 from rodgen.integrate.stability import Dominant, dominant
 from rodgen_evidence.report.costs.rod import VALUES, scene
@@ -142,7 +142,7 @@ def agreed(job: Job, theirs: Accelerations) -> float:
     Raises ArithmeticError where it is beyond AGREED.
     """
     half, worst = len(job.initial_state) // 2, 0.0
-    for stretch in split_job(job):
+    for stretch in job.stretches:
         for y in random_states(job.scene):
             ours = np.asarray(job.model.rhs(stretch.middle, y, job.p))[half:]
             worst = max(worst, difference(np.asarray(theirs(stretch.middle, y)), ours))
@@ -200,7 +200,7 @@ def stable(limit: float, rate: float) -> float:
 
 def fastest(job: Job) -> Dominant:
     """The fastest motion at the start."""
-    first, _ = job.stretches[0]
+    first = job.stretches[0].first
     return dominant(job.model, first, job.initial_state, job.p)
 
 

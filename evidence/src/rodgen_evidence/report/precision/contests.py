@@ -16,7 +16,6 @@ from rodgen.analyse.precision.contestant import (
     sweep_methods,
 )
 from rodgen.analyse.precision.job import Job
-from rodgen.analyse.precision.method_families import LazyFamily
 from rodgen.analyse.precision.work_precision import Reference
 from rodgen_evidence.report import peers
 from rodgen_evidence.report.cases import Case
@@ -37,9 +36,10 @@ def rodgens(name: str, table: dict[str, Any], folder: str, quick: bool) -> list[
     rows: list[Measurement] = []
     # From cold they take longer than all runs of a short set.
     taken = {} if quick else setups(table)
-    for family in method_families.families(job, quick, taken):
-        measures = held.measures(job, family.method)
-        rows += sweep(family.make(), label(job, family), measures, Limits.of(quick))
+    for method, target in method_families.own_methods(job):
+        family = method_families.own_family(job, method, target, quick)
+        measures = held.measures(job, method)
+        rows += sweep(family, label(job, method, target, taken), measures, Limits.of(quick))
     return rows
 
 
@@ -87,11 +87,12 @@ def without(name: str, table: dict[str, Any], who: str, why: NoReferenceError) -
     return row | {"failed": describe_error(f"{NO_REFERENCE}{why}")}
 
 
-def label(job: Job, family: LazyFamily) -> Measurement:
-    """What all rows of a family of ours have in common."""
-    links, taken = job.scene.rod.links, family.setup.items()
-    start = known(job.name, links, family.who, method=family.method, target=family.target)
-    return start | {f"setup_{kind}": seconds for kind, seconds in taken}
+def label(job: Job, method: str, target: str, taken: dict[str, float]) -> Measurement:
+    """What all rows of a family of ours have in common; taken: seconds of making both modules, by
+    target and kind."""
+    start = known(job.name, job.scene.rod.links, "rodgen", method=method, target=target)
+    own = {k: v for k, v in taken.items() if k.startswith(f"{target}_")}
+    return start | {f"setup_{k.removeprefix(f'{target}_')}": v for k, v in own.items()}
 
 
 def units(cases: Sequence[Case], quick: bool, folder: str | Path, *_: object) -> list[Unit]:

@@ -78,7 +78,7 @@ def _banner(title: str) -> list[str]:
     return [
         f"/* {title}.",
         "",
-        "   From rodgen.model.methods by rodgen.emit.tableaux (`make docs NAME=reference`);",
+        "   From rodgen.model.methods by tests.tableaux (`make docs NAME=reference`);",
         "   tests/reference.py guards it. Do not edit. */",
         "",
     ]
