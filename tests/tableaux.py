@@ -13,9 +13,17 @@ import sympy
 from numpy.typing import NDArray
 from scipy.integrate import DOP853
 
-from rodgen.model.method import CollocationRule, Tableau, stability_polynomial
-from rodgen.model.methods import COLLOCATION, COMPILED, TABLEAUX
-from rodgen.model.methods.dop853 import HALVED, LARGEST_LAST, MOST_PARTS
+from rodgen.model.methods import (
+    COLLOCATION,
+    COMPILED,
+    HALVED,
+    LARGEST_LAST,
+    MOST_PARTS,
+    TABLEAUX,
+    CollocationRule,
+    Tableau,
+    stability_polynomial,
+)
 
 DIGITS = 40
 DIRECTIONS = 33

@@ -11,10 +11,10 @@ import pytest
 
 import rodgen
 from rodgen.analyse.extrapolation import richardson
-from rodgen.analyse.frozen_modes import frozen_modes
 from rodgen.analyse.modes import natural_modes
 from rodgen.analyse.references.continuum import chain_frequency, natural_frequency
 from rodgen.errors import InputError
+from rodgen.live.run.frozen_modes import frozen_modes
 from rodgen.live.run.worker_main import MOST_LINKS, WORKS
 from rodgen.model.rod import BOUNDARIES, INERTIAS
 from rodgen.scene import Scene

@@ -58,7 +58,7 @@ def scene(boundary="pinned", links=2, loads=None, **integrate):
 # What each recipe touches, and a program that fails if what it says does not hold.
 RECIPES = {
     "A method": (
-        ["src/rodgen/model/methods/heun.py"],
+        ["src/rodgen/model/methods.py"],
         """
 from rodgen.integrate.stability import step_limit
 assert abs(step_limit("heun", -1.0 + 0j) - 2.0) < 1e-6  # 1 + z + z^2/2 is 1 at z = -2

@@ -19,7 +19,7 @@ from urllib.parse import urlsplit
 import pytest
 
 from rodgen.emit.targets import STEPS, required_parts
-from rodgen.integrate.pull import with_idle_support
+from rodgen.live.pull import with_idle_support
 from rodgen.live.run import critical_search
 from rodgen.live.run.live_run import LiveRun
 from rodgen.live.run.worker_process import WorkerProcess

@@ -10,7 +10,7 @@ import pytest
 
 import rodgen
 import rodgen.live
-from rodgen.integrate.live import Live
+from rodgen.live.open_run import Live
 from rodgen.live.page import elements
 from rodgen.live.run import page_state
 from rodgen.live.run.change_marks import ChangeMarks

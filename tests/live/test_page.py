@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 import rodgen
-from rodgen.analyse.frozen_modes import frozen_modes
+from rodgen.live.run.frozen_modes import frozen_modes
 from rodgen.live.run.link import Link
 from rodgen.live.run.live_run import LiveRun
 from rodgen.scene import Scene, Structure

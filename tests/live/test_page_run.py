@@ -11,8 +11,8 @@ import numpy as np
 import pytest
 
 from rodgen.errors import InputError
-from rodgen.integrate.pull import Pull
 from rodgen.live.page.page_run import PageRun
+from rodgen.live.pull import Pull
 from rodgen.live.run import live_run, pulling
 from rodgen.live.run.live_run import LiveRun
 from rodgen.loading import build

@@ -10,9 +10,9 @@ from typing import Any
 import numpy as np
 import pytest
 
-from rodgen.integrate.live import Live
-from rodgen.integrate.pull import Pull, with_idle_support, with_pull
+from rodgen.live.open_run import Live
 from rodgen.live.page.pulls import usual_spring
+from rodgen.live.pull import Pull, with_idle_support, with_pull
 from rodgen.live.run.link import apply_link, make_link
 from rodgen.live.run.live_run import LiveRun
 from rodgen.loading import build

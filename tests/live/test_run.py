@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from rodgen.errors import InputError
-from rodgen.integrate.live import FOR_LOOKING
+from rodgen.live.open_run import FOR_LOOKING
 from rodgen.live.run.live_run import PAUSED, RUNNING, STOPPED, LiveRun
 from rodgen.live.run.page_state import AHEAD
 from rodgen.live.run.run_thread import Pace

@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 
 from rodgen.arrays import Array
-from rodgen.integrate.live import Samples
 from rodgen.live import sample_store
+from rodgen.live.open_run import Samples
 from rodgen.live.run.plot import Plot, PlotSpec
 from rodgen.live.run.sample_curves import ROWS, Window, spectrum
 from rodgen.live.sample_store import MOST, SampleStore

@@ -15,6 +15,7 @@ import pytest
 
 import rodgen
 from rodgen.errors import InputError
+from rodgen.live.page.build_process import dump, parse
 from rodgen.live.page.pulls import usual_spring
 from rodgen.live.page.sketch import HIGH, WIDE, joints_at_start, sketch
 from rodgen.live.run.link import Link, RunSample, apply_link, make_link
@@ -30,7 +31,6 @@ from rodgen.live.run.scene_edits import (
     slider_scale,
     structure_form,
 )
-from rodgen.loading.build_process import dump, parse
 from rodgen.model.rod import BOUNDARIES
 from rodgen.model.terms import TERMS
 from rodgen.scene import Scene

@@ -19,7 +19,7 @@ import pytest
 import xarray
 
 import rodgen
-from rodgen.integrate.live_steps import LiveError
+from rodgen.live.live_steps import LiveError
 from rodgen.scene import Scene
 from tests.view.results import MAKERS, SCENE, TABLE, made
 

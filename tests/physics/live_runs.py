@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 import rodgen
-from rodgen.integrate.live import Live, Samples
+from rodgen.live.open_run import Live, Samples
 from rodgen.scene import Scene
 
 # On a tail, within some 0.03 s at t = 7.3 s: an impulse of 0.05 N s.

@@ -13,10 +13,10 @@ import rodgen
 from rodgen.check.module_check import check_module
 from rodgen.emit.targets import FORMS
 from rodgen.integrate.events import EventDetector
-from rodgen.integrate.live import Live
 from rodgen.integrate.methods.method_choice import make_integrator
 from rodgen.integrate.recorder import Recorder
 from rodgen.integrate.stretches import evaluation_bounds
+from rodgen.live.open_run import Live
 from rodgen.loading import build
 from rodgen.loading.generated_module import call_module
 from rodgen.scene import Scene

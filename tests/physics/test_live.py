@@ -10,9 +10,9 @@ import numpy as np
 import pytest
 
 import rodgen
-from rodgen.integrate import live_steps
-from rodgen.integrate.live import LiveError
 from rodgen.integrate.recorder import GridRecorder
+from rodgen.live import live_steps
+from rodgen.live.open_run import LiveError
 from rodgen.scene import Scene
 from tests.palette import cases
 from tests.physics.live_runs import PULSE, bar, gone_on, live_of

@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 
 from rodgen.errors import InputError
-from rodgen.integrate import live as live_module
+from rodgen.live import open_run as live_module
 from rodgen.model.terms import THESIS_TERMS
 from rodgen.scene import Scene
 from tests.palette import cases

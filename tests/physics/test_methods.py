@@ -16,8 +16,7 @@ from rodgen.arrays import Array
 from rodgen.integrate.methods.python_integrator import make_stepper
 from rodgen.integrate.stability import step_limit
 from rodgen.integrate.stepper import InitialValueProblem, StepError, Stepper
-from rodgen.model.method import Tableau
-from rodgen.model.methods import ADAPTIVE, EITHER, FIXED_STEP, METHODS
+from rodgen.model.methods import ADAPTIVE, EITHER, FIXED_STEP, METHODS, Tableau
 from rodgen.scene.integration import IntegrationTable
 from rodgen.system import System
 from tests.palette import ENDS

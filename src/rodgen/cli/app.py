@@ -39,8 +39,7 @@ def own_commands() -> dict[str, Callable[..., object]]:
             for name, one in getmembers(module, isfunction):
                 if one.__module__ == module.__name__ and not name.startswith("_"):
                     found[name.replace("_", "-")] = one
-    place = {name: number for number, name in enumerate(ORDER)}
-    return dict(sorted(found.items(), key=lambda one: (place.get(one[0], len(place)), one[0])))
+    return found
 
 
 def make_app() -> typer.Typer:
@@ -56,12 +55,13 @@ def make_app() -> typer.Typer:
         pretty_exceptions_enable=False,
     )
     own = own_commands()
-    for name, command in own.items():
-        # A negative number is a value to refuse, not an option.
-        _register(app, name, command, ignore_unknown_options=name == "derive")
-    for name, entry in sorted(added.items()):
-        if name not in own:  # a package cannot take the place of a command
-            _add_from_package(app, entry)
+    place = {name: number for number, name in enumerate(ORDER)}
+    for name in sorted({*own, *added}, key=lambda name: (place.get(name, len(place)), name)):
+        if name in own:  # a package cannot take the place of a command
+            # A negative number is a value to refuse, not an option.
+            _register(app, name, own[name], ignore_unknown_options=name == "derive")
+        else:
+            _add_from_package(app, added[name])
     for name in missing:
         _add_unavailable(app, name, f"{name} is not installed: {HOW}", hidden=True)
     app.callback(invoke_without_command=True)(_run_without_command)

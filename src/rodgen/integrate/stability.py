@@ -17,8 +17,7 @@ from scipy.sparse.linalg import ArpackError, ArpackNoConvergence, LinearOperator
 from rodgen.arrays import Array
 from rodgen.integrate.methods.fixed_step import explicit_step
 from rodgen.integrate.stepper import StepError
-from rodgen.model.method import Tableau, stability_polynomial
-from rodgen.model.methods import METHODS
+from rodgen.model.methods import METHODS, Tableau, stability_polynomial
 from rodgen.model.rod import BOUNDARIES
 from rodgen.result import Note, doubt
 

@@ -10,8 +10,8 @@ from typing import Any
 import numpy as np
 
 from rodgen.errors import InputError
-from rodgen.integrate.recorder import Samples
 from rodgen.integrate.solution import Solution
+from rodgen.live.grid_recorder import Samples
 from rodgen.live.plot_quantities import Catalogue
 from rodgen.live.run.change_marks import ChangeMark
 from rodgen.live.run.message import Named, Trail, encode, pull_array, rod_arrays

@@ -11,9 +11,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rodgen.arrays import Array
-from rodgen.integrate.live import Samples
 from rodgen.integrate.solution import Solution
 from rodgen.integrate.trajectory import Changes
+from rodgen.live.grid_recorder import Samples
 from rodgen.memory import check_memory
 
 ROOM = 2**25  # bytes of states

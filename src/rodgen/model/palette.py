@@ -84,8 +84,3 @@ def series_pair(number: int) -> tuple[str, str]:
     """A colour of the series, from 1 on, on light and on dark ground."""
     light, dark = (colours_of("series", palette)[number - 1] for palette in (LIGHT, DARK))
     return light, dark
-
-
-def as_css(palette: Colours) -> str:
-    """Declarations of custom properties, --rg-NAME: colours with commas between."""
-    return " ".join(f"--rg-{name}: {', '.join(colours_of(name, palette))};" for name in palette)

@@ -17,8 +17,7 @@ from rodgen.integrate.stepper import (
     StepError,
     hermite,
 )
-from rodgen.model.method import Tableau
-from rodgen.model.methods import TABLEAUX
+from rodgen.model.methods import TABLEAUX, Tableau
 
 Advance = Callable[[Rhs, float, Array, Array, float], Array]
 

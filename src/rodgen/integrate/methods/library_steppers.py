@@ -13,8 +13,7 @@ from scipy.integrate import DOP853, OdeSolver
 from rodgen.arrays import Array
 from rodgen.errors import InputError, install_command
 from rodgen.integrate.stepper import Counts, InitialValueProblem, Interpolant, StepError
-from rodgen.model.methods import METHODS
-from rodgen.model.methods.dop853 import HALVED, LARGEST_LAST, MOST_PARTS
+from rodgen.model.methods import HALVED, LARGEST_LAST, METHODS, MOST_PARTS
 
 LOOKS = 500  # steps between two looks at the stability limit, which cost as much as 30
 PATIENCE = 1000  # evaluations in a row that are not finite, before a method is stopped

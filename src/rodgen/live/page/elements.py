@@ -15,7 +15,7 @@ import nicegui
 from nicegui.element import Element
 from nicegui.events import GenericEventArguments
 
-from rodgen.model.palette import DARK, LIGHT, as_css
+from rodgen.model.palette import DARK, LIGHT, Colours, colours_of
 from rodgen.model.term import DRAG, FORCE, SPREAD, WEIGHT
 from rodgen.model.terms import TERMS
 
@@ -55,7 +55,7 @@ SHOWN = {name: layer.shown for name, layer in LAYERS.items()}  # at first
 
 def style_sheet() -> str:
     """Style sheet of a page: colours, that of the plots, and its own."""
-    colours = f"body {{ {as_css(LIGHT)} }}\nbody.body--dark {{ {as_css(DARK)} }}\n"
+    colours = f"body {{ {_as_css(LIGHT)} }}\nbody.body--dark {{ {_as_css(DARK)} }}\n"
     return colours + "\n".join((STATIC / sheet).read_text(encoding="utf-8") for sheet in SHEETS)
 
 
@@ -251,3 +251,8 @@ class Plots(Element, component=STATIC / "plots.js"):
         _listen(
             self, "wrapped", ["id", "wrapped"], lambda e: handler(str(e["id"]), bool(e["wrapped"]))
         )
+
+
+def _as_css(palette: Colours) -> str:
+    """Declarations of custom properties, --rg-NAME: colours with commas between."""
+    return " ".join(f"--rg-{name}: {', '.join(colours_of(name, palette))};" for name in palette)

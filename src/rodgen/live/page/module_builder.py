@@ -13,7 +13,7 @@ from contextlib import suppress
 from nicegui import ui
 
 from rodgen.errors import InputError
-from rodgen.loading.build_process import dump
+from rodgen.live.page.build_process import dump
 from rodgen.scene import Scene, Structure
 
 MOST_LINKS = 2000  # of a live run: beyond, nothing of it is live
@@ -57,7 +57,7 @@ async def _build(structure: Structure, stage: Stage) -> None:
         read.write(dump(structure).encode())
         read.seek(0)
         process = subprocess.Popen(
-            [sys.executable, "-P", "-m", "rodgen.loading.build_process"],
+            [sys.executable, "-P", "-m", "rodgen.live.page.build_process"],
             stdin=read,
             stdout=subprocess.PIPE,
             stderr=errors,

@@ -11,11 +11,11 @@ from nicegui import ui
 from nicegui.events import ValueChangeEventArguments
 
 from rodgen.errors import InputError
-from rodgen.integrate.pull import Pull
 from rodgen.live.page.elements import RodCanvas
 from rodgen.live.page.fields import Entry, format_number, parse_number
 from rodgen.live.page.page_run import PageRun
 from rodgen.live.page.point_dialog import PointDialog
+from rodgen.live.pull import Pull
 from rodgen.scene import Scene
 
 SWING = 2.0  # seconds in which the rod would swing on the spring, were it rigid

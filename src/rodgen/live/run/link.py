@@ -13,7 +13,7 @@ import numpy as np
 import tomli_w
 
 from rodgen.errors import InputError
-from rodgen.integrate.recorder import Samples
+from rodgen.live.grid_recorder import Samples
 from rodgen.live.run.scene_edits import LARGEST
 from rodgen.model.terms import EMPTYING
 from rodgen.scene import Scene

@@ -10,9 +10,9 @@ from collections.abc import Callable
 import numpy as np
 
 from rodgen.errors import InputError
-from rodgen.integrate.live import Live, LiveError, Samples
 from rodgen.integrate.run_status import FAILED, FINISHED
 from rodgen.integrate.stepper import Stats
+from rodgen.live.open_run import Live, LiveError, Samples
 from rodgen.live.panel_rows import RunStatus
 from rodgen.live.plot_quantities import Catalogue
 from rodgen.live.run.change_marks import ChangeMarks

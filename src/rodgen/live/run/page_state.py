@@ -10,7 +10,7 @@ from typing import Any, Protocol
 import numpy as np
 
 from rodgen.arrays import Array
-from rodgen.integrate.live import Live
+from rodgen.live.open_run import Live
 from rodgen.live.panel_rows import RunStatus, row_texts
 from rodgen.live.run.change_marks import ChangeMark, ChangeMarks
 from rodgen.live.run.ghost import Ghost

@@ -7,9 +7,9 @@ from dataclasses import replace
 from types import ModuleType
 
 from rodgen.arrays import Array
-from rodgen.integrate.pull import Pull, widen_parameters, with_idle_support
-from rodgen.integrate.recorder import Samples
+from rodgen.live.grid_recorder import Samples
 from rodgen.live.plot_quantities import Catalogue
+from rodgen.live.pull import Pull, widen_parameters, with_idle_support
 from rodgen.live.run.change_marks import ChangeMark
 from rodgen.live.run.plot import Plot
 from rodgen.live.run.plotting import PlotsMixin

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from abc import abstractmethod
 
-from rodgen.integrate.live import Live
-from rodgen.integrate.recorder import Samples
+from rodgen.live.grid_recorder import Samples
+from rodgen.live.open_run import Live
 from rodgen.live.plot_quantities import Catalogue
 from rodgen.live.run.change_marks import ChangeMarks
 from rodgen.live.run.ghost import Ghost

@@ -15,8 +15,8 @@ from typing import Any, TextIO
 import numpy as np
 
 from rodgen.analyse.critical import critical_load
-from rodgen.analyse.frozen_modes import frozen_modes
 from rodgen.errors import AnalysisError, InputError
+from rodgen.live.run.frozen_modes import frozen_modes
 from rodgen.live.run.sweep_computation import sweep
 from rodgen.loading import build_fastest
 from rodgen.result import collect_doubts

@@ -1,6 +1,6 @@
 """Builder of a module in a process of its own, so that the caller stays responsive.
 
-    python -m rodgen.loading.build_process < structure.json
+    python -m rodgen.live.page.build_process < structure.json
 
 Afterwards it is in the cache. Every stage is a line of standard output. It can be ended by
 SIGTERM, and then ends its compiler.

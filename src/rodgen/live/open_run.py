@@ -14,12 +14,12 @@ from threadpoolctl import ThreadpoolController
 from rodgen.arrays import Array
 from rodgen.errors import InputError
 from rodgen.integrate.diagnosis import step_doubts
-from rodgen.integrate.live_steps import LiveError, LiveSteps, RunProgress
 from rodgen.integrate.methods.method_choice import Choice, choose
-from rodgen.integrate.pull import Pull, check_number, check_point, with_idle_support, with_pull
 from rodgen.integrate.quantity_formulas import loads_at_work
-from rodgen.integrate.recorder import Samples
 from rodgen.integrate.stability import largest_stable_step
+from rodgen.live.grid_recorder import Samples
+from rodgen.live.live_steps import LiveError, LiveSteps, RunProgress
+from rodgen.live.pull import Pull, check_number, check_point, with_idle_support, with_pull
 from rodgen.loading.generated_module import call_module
 from rodgen.model.terms import PULL
 from rodgen.scene import Scene
