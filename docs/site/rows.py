@@ -15,10 +15,10 @@ from rodgen.result import Row
 PAGE, MARK = "reference/results", "<!-- results -->"
 # What is in tables of its own, by the function that returns it.
 CURVES = {
-    "continue_equilibria": equilibrium_data.ROWS,
-    "stability_boundary": stability_boundary.ROWS,
-    "continue_cycles": cycle_branches.ROWS,
-    "continue_mode": nonlinear_modes.ROWS,
+    "continue_equilibria": equilibrium_data.FORMAT.rows,
+    "stability_boundary": stability_boundary.FORMAT.rows,
+    "continue_cycles": cycle_branches.FORMAT.rows,
+    "continue_mode": nonlinear_modes.FORMAT.rows,
 }
 
 

@@ -137,7 +137,7 @@ def test_a_file_is_gone_on_from(tmp_path: Path) -> None:
     scene = rod(6, "clamped", {"tip": {"x": 0.0, "y": 0.3}})
     part = continue_equilibria(scene, AXIAL, (0.0, -9.0))
     curve_files.save(part, tmp_path / "branch.nc")
-    read = equilibrium_data.read(tmp_path / "branch.nc")
+    read = equilibrium_data.FORMAT.read(tmp_path / "branch.nc")
     back = continue_equilibria(scene, AXIAL, (0.0, -20.0), resume=read, at=0)
     # The first point is that of the unloaded rod, on its edge.
     assert back.sizes["point"] == part.sizes["point"]

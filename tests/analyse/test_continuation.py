@@ -85,7 +85,7 @@ def test_both_branches_through_a_simple_branch_point(sparse: bool) -> None:
     before, after = (trivial.points[special.after + at].value for at in (0, 1))
     assert before < 0 < after
     assert special.ways is not None
-    other = CurvePoint(special.u, special.ways[1], None, 0, {})
+    other = CurvePoint(special.u, special.ways[1], None, 0)
     for sign in (1.0, -1.0):
         start = other._replace(tangent=sign * other.tangent)
         bent = continue_curve(problem, start, -1.3, 1.0)
@@ -126,16 +126,6 @@ def test_an_unexplained_change_of_stability_is_said() -> None:
     assert found.complete
     (note,) = found.notes
     assert {0.0, 3.0, 0.25} <= {round(one, 2) for one in numbers(note)}
-
-
-def test_a_measure_is_found_where_it_is_zero() -> None:
-    class Measured(Known):
-        def test_functions(self, u: Array) -> dict[str, float]:
-            return {"passing": float(u[0] - 0.3)}
-
-    found = followed(Measured(ellipse, 2), [1.0, 0.0], -0.49, 0.49)
-    assert [one.kind for one in found.special] == ["passing"]
-    assert found.special[0].u[-1] == pytest.approx(np.sqrt(1 - 0.09) / 2, abs=1e-11)
 
 
 @pytest.mark.parametrize("sparse", [False, True])

@@ -70,7 +70,7 @@ def test_a_branch_has_the_cycle_of_a_run(branch: Any, tmp_path: Any) -> None:
     work = branch["work"].values
     np.testing.assert_allclose(work.sum(axis=1), 0, atol=1e-9 * np.abs(work).max())
     curve_files.save(branch, tmp_path / "cycles.nc")
-    again = cycle_data.read(tmp_path / "cycles.nc")
+    again = cycle_data.FORMAT.read(tmp_path / "cycles.nc")
     np.testing.assert_array_equal(again["y0"].values, branch["y0"].values)
     # From there both ways: the same curve.
     both = continue_cycles(COLUMN, FORCE, (19.0, 20.5), start=alone)

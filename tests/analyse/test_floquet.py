@@ -10,7 +10,7 @@ import pytest
 from scipy.special import mathieu_a, mathieu_b
 
 import rodgen
-from rodgen.analyse.cycles import elimination
+from rodgen.analyse.cycles.elimination import CondensedSystem
 from rodgen.analyse.cycles.floquet import floquet, product_eigenvalues
 from rodgen.errors import AnalysisError
 from rodgen.scene import Scene
@@ -71,7 +71,9 @@ BEAM: dict[str, Any] = {"length": 1.0, "bending_stiffness": 30.0, "mass": 3.0}
 
 
 @pytest.mark.parametrize("segments", [3, 5, 20])
-@pytest.mark.parametrize("multipliers", [product_eigenvalues, elimination.multipliers])
+@pytest.mark.parametrize(
+    "multipliers", [product_eigenvalues, lambda G: CondensedSystem.of(G).multipliers]
+)
 def test_multipliers_that_a_product_of_segments_loses(
     multipliers: Callable[[list[Any]], Any], segments: int
 ) -> None:

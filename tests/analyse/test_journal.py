@@ -105,7 +105,7 @@ def test_what_was_killed_goes_on_to_the_same_bits(kind: str, tmp_path: Path) -> 
 def test_steps_are_read_as_they_were_written(tmp_path: Path) -> None:
     """Of numbers that few decimal digits have, and of what is not known."""
     u, tangent = np.array([0.1 + 0.2, -0.0, 1e-310, 4.0]), np.array([1 / 3, 2.0, 1e308, 0.0])
-    point = CurvePoint(u, tangent, None, -1, {"cusp": 1 / 7})
+    point = CurvePoint(u, tangent, None, -1)
     ways = np.array([[1.0, 2.0], [3.0, 4.0]])
     special = [SpecialPoint("branch", u, 3, 0.7, ways, "why"), SpecialPoint("hopf", u)]
     step, path = (

@@ -108,7 +108,7 @@ def test_a_dragged_rod_keeps_its_bend(tmp_path: Any) -> None:
         s = np.linalg.eigvals(np.delete(np.delete(J, [0, 1], 0), [0, 1], 1))
         assert int((s.real > 1e-9 * np.abs(s).max()).sum()) == found["unstable"].values[at]
     curve_files.save(found, tmp_path / "branch.nc")
-    read = equilibrium_data.read(tmp_path / "branch.nc")
+    read = equilibrium_data.FORMAT.read(tmp_path / "branch.nc")
     half = found.sizes["point"] // 2
     again = continue_equilibria(scene, STIFFNESS, (10.0, 0.5), resume=read, at=half, step=0.1)
     np.testing.assert_allclose(again["y"].values[-1, 2:], found["y"].values[-1, 2:], atol=1e-9)

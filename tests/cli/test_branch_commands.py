@@ -50,7 +50,7 @@ def test_branch_as_table_file_and_picture(works: Run, scene: Path) -> None:
     assert any(abs(n / -(np.pi**2) * 4 - 1) < 0.05 for n in numbers(done.stdout))
     folder = Path("results/rod")
     assert {file.name for file in folder.iterdir()} == {"branch_1.nc", "branch_1.png"}
-    data = equilibrium_data.read(folder / "branch_1.nc")
+    data = equilibrium_data.FORMAT.read(folder / "branch_1.nc")
     assert np.abs(data["phi"].values).max() > 1.5
     more = ("--vary", "loads.tip.x", "--bounds", "0,-15", "--step", 0.1, "--json")
     found = works("branch", scene, *more, "--resume", folder / "branch_1.nc")
@@ -66,7 +66,7 @@ def test_a_branch_that_ends_is_kept(rodgen: Run, scene: Path) -> None:
     assert done.returncode == 3
     assert 5 in numbers(done.stderr)
     assert done.stderr.count("\n") == 1
-    assert len(equilibrium_data.read(folder / "branch.nc")["value"]) == 5
+    assert len(equilibrium_data.FORMAT.read(folder / "branch.nc")["value"]) == 5
 
 
 def test_boundary_in_a_file_with_its_picture(works: Run, scene: Path) -> None:

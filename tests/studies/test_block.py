@@ -28,7 +28,7 @@ KEEP = ["last(tip_x)", "max(phi_2)", "rms(omega_0, from=0.5)", "time_of_max(kine
 def computed(study: Study, indices: Any = None) -> dict[str, np.ndarray]:
     """What a study keeps of its points."""
     at = range(study.count) if indices is None else indices
-    return evaluate(study, points_at(study, at), at).arrays
+    return evaluate(study, points_at(study, at), at)
 
 
 def same(a: dict[str, np.ndarray], b: dict[str, np.ndarray], at: Any = slice(None)) -> None:
@@ -215,8 +215,8 @@ def test_doubts_of_runs_are_counted(together: bool, monkeypatch: pytest.MonkeyPa
     assert found["doubts"].tolist() == [0, 1, 1]
 
 
-def _by_themselves(study: Study, given: Any, made: Any, wanted: Any) -> None:
-    point_runs._run_one_by_one(study, given, range(len(given)), made, wanted)
+def _by_themselves(study: Study, given: Any, made: Any) -> None:
+    point_runs._run_one_by_one(study, given, range(len(given)), made)
 
 
 def test_a_study_tells_how_many_points_are_doubtful() -> None:

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from rodgen.studies import point_runs
-from rodgen.studies.kept_quantities import run_quantities, variables
+from rodgen.studies.kept_quantities import variables
 from rodgen.studies.point_arrays import PointArrays
 from rodgen.studies.sampling import points_at
 from rodgen.studies.study import Study
@@ -48,7 +48,7 @@ def one_by_one(of: Study) -> dict[str, np.ndarray]:
     """All points by `simulate`."""
     every, made = points_at(of, range(of.count)), PointArrays(variables(of), of.count)
     with np.errstate(all="ignore"):
-        point_runs._run_one_by_one(of, every, range(of.count), made, run_quantities(of))
+        point_runs._run_one_by_one(of, every, range(of.count), made)
     return made.arrays
 
 

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import pytest
 
-from rodgen.studies.kept_quantities import variables
+from rodgen.studies.kept_quantities import run_quantities, variables
 from rodgen.studies.study import Study
 from tests.studies.conftest import BECK, PENDULUM, scene
 from tests.told import refused
@@ -40,6 +42,18 @@ def test_variables_of_a_run() -> None:
         "energy_error": ((), (), "f8", "J"),
         "seconds": ((), (), "f8", "s"),
     }
+
+
+def test_functions_of_the_same_text_are_told_apart() -> None:
+    """A function that is made in a loop holds another value each time."""
+
+    def of(value: float) -> Callable[[object], float]:
+        return lambda solution: value
+
+    functions = [of(1.0), of(2.0)]
+    studies = [Study.of(scene(PENDULUM), VARY, keep=one) for one in functions]
+    found = [run_quantities(study)[0] for study in studies]
+    assert [getattr(one, "function", None) for one in found] == functions
 
 
 WHERE = "section(tip_y, where='tip_x'"

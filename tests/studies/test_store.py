@@ -149,13 +149,12 @@ def test_what_is_no_store_is_refused(tmp_path: Path) -> None:
 
 def test_success_is_what_the_store_says(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """Workers that say that they are done are not believed."""
-    from rodgen.studies.task import BlockOutcome
 
     def lying(
         self: Any, store: StudyStore, blocks: Iterator[int], texts: Any
-    ) -> Iterator[BlockOutcome]:
+    ) -> Iterator[tuple[int, int]]:
         for block in blocks:
-            yield BlockOutcome(block, store.layout.size(block), 0)
+            yield block, 0
 
     monkeypatch.setattr(local.LocalWorker, "compute_blocks", lying)
     with pytest.raises(StudyError):

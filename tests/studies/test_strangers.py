@@ -13,7 +13,7 @@ import psutil
 import pytest
 
 from rodgen.studies.cluster import Cluster
-from rodgen.studies.isolated import compute_in_process
+from rodgen.studies.local import compute_in_process
 from rodgen.studies.worker_tasks import SAFE_PATH
 from tests.studies.test_workers import study_of
 

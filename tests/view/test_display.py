@@ -187,7 +187,7 @@ def test_a_film_for_a_notebook(
     ending: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     if ending == ".gif":
-        monkeypatch.setattr("rodgen.show.animation.video.find_ffmpeg", lambda: None)
+        monkeypatch.setattr("rodgen.show.animation.film.find_ffmpeg", lambda: None)
     elif film_files.find_ffmpeg() is None:
         pytest.skip("no ffmpeg")
     video: Any = made("Solution").animate(fps=10, width=320, height=320)

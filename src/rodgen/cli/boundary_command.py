@@ -54,7 +54,7 @@ def boundary(
 
     The boundary includes the limit of vanishing damping.
     """
-    from rodgen.analyse.branches.stability_boundary import read, stability_boundary
+    from rodgen.analyse.branches.stability_boundary import FORMAT, stability_boundary
 
     keys = vary.split(",")
     if len(keys) != 2:
@@ -65,7 +65,7 @@ def boundary(
     ranges = (*given, None, None)[:2]
     file = None if as_json else out_folder / scene.name / f"{NAME}.nc"
     options = {"vary": vary, "bounds": ranges, "step": step, "most": most, "t": t}
-    begun = find_start(NAME, scene, options, file, resume, at, read)
+    begun = find_start(NAME, scene, options, file, resume, at, FORMAT.read)
     follow_curve(
         "the boundary",
         f"{scene.name}: boundary of stability",

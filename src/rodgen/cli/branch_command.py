@@ -77,8 +77,8 @@ def branch(
     The branch goes through folds. The command locates branch points and Hopf points, counts
     unstable motions, and draws the diagram.
     """
-    from rodgen.analyse.branches import equilibrium_data
     from rodgen.analyse.branches.equilibrium_branch import continue_equilibria
+    from rodgen.analyse.branches.equilibrium_data import FORMAT
 
     between = parse_both_bounds(bounds)
     given: dict[str, Any] = {
@@ -92,7 +92,7 @@ def branch(
     }
     options = {"vary": vary, "switch": switch, **given, "bounds": between}
     file = None if as_json else out_folder / scene.name / f"{_file_stem(switch)}.nc"
-    begun = find_start("branch", scene, options, file, resume, at, equilibrium_data.read)
+    begun = find_start("branch", scene, options, file, resume, at, FORMAT.read)
 
     def follow(said: Callable[[str], None], switch: int | None = switch) -> xarray.Dataset:
         return continue_equilibria(

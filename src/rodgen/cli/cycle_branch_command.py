@@ -76,9 +76,9 @@ def cycle_branch(
     Folds, branch points, period doublings and Neimark-Sacker points are located, and the amplitudes
     are drawn.
     """
-    from rodgen.analyse.branches.equilibrium_data import read as read_equilibria
+    from rodgen.analyse.branches.equilibrium_data import FORMAT as EQUILIBRIA
     from rodgen.analyse.cycles.cycle_continuation import continue_cycles
-    from rodgen.analyse.cycles.cycle_data import read
+    from rodgen.analyse.cycles.cycle_data import FORMAT
 
     between = parse_both_bounds(bounds)
     if equilibria is not None and resume is not None:
@@ -93,11 +93,11 @@ def cycle_branch(
     options: dict[str, Any] = {"vary": vary, "bounds": between, **how}
     options |= {"start": file_hash(equilibria), "start_at": at} if equilibria else {"start": start}
     number = None if equilibria else at
-    begun = find_start("cycle-branch", scene, options, file, resume, number, read)
+    begun = find_start("cycle-branch", scene, options, file, resume, number, FORMAT.read)
     if begun.curve is not None:
         how |= {"resume": begun.curve, "at": begun.at}
     elif equilibria:
-        how |= {"start": read_equilibria(equilibria), "at": at}
+        how |= {"start": EQUILIBRIA.read(equilibria), "at": at}
     else:
         how["start"] = start
     follow_curve(

@@ -48,7 +48,7 @@ def cycle(
     as_json: AsJson = False,
 ) -> None:
     """Find and draw the periodic motion that SCENE settles on, and its Floquet multipliers."""
-    from rodgen.analyse.cycles.cycle_data import read
+    from rodgen.analyse.cycles.cycle_data import FORMAT
     from rodgen.analyse.cycles.periodic_motion import find_cycle
 
     point_number(start, at, "--from")
@@ -59,7 +59,7 @@ def cycle(
                 by=by,
                 segments=segments,
                 multipliers=multipliers,
-                start=None if start is None else read(start),
+                start=None if start is None else FORMAT.read(start),
                 at=at,
                 check_mesh=check_mesh,
             )

@@ -9,7 +9,6 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
-from numpy.typing import NDArray
 
 from rodgen.analyse.critical import Critical
 from rodgen.analyse.eigenvalues import Complex
@@ -18,7 +17,7 @@ from rodgen.analyse.modes import Modes
 from rodgen.analyse.scaled_load import GROUPS, label_of
 from rodgen.analyse.statics import Equilibrium
 from rodgen.analyse.steady_rod import SteadyRod
-from rodgen.arrays import Array
+from rodgen.arrays import Array, even_indices
 from rodgen.display import Plottable
 from rodgen.errors import AnalysisError, EmptyPictureError
 from rodgen.model.parameter import typeset
@@ -179,24 +178,19 @@ def draw_loads(axes: Axes, rod: SteadyRod, joints: Array, y: Array, side: float)
             ends.append((np.array([start, start + pull]), term))
         elif term.kind == SPREAD:
             largest = np.hypot(*forces[name].T).max()
-            for at in _arrow_joints(len(joints)):
+            for at in even_indices(0, len(joints) - 1, WEIGHTS):
                 pull = 0.5 * size * forces[name][at] / largest
                 ends.append((np.array([joints[at] - pull, joints[at]]), term))
         else:
             down = np.array([0.0, -0.5 * size * np.sign(amount)])
             width, height = np.ptp(joints, axis=0)
             aside = side * ASIDE * rod.scene.rod.length * (height > 2 * width)
-            for start in joints[_arrow_joints(len(joints))] + np.array([aside, 0.0]):
+            for start in joints[even_indices(0, len(joints) - 1, WEIGHTS)] + [aside, 0.0]:
                 ends.append((np.array([start, start + down]), term))
     for (start, end), term in ends:
         style = {"arrowstyle": "-|>", "color": term.colours[0], "shrinkA": 0, "shrinkB": 0}
         axes.annotate("", end, start, arrowprops=style)
     return [pair for pair, _ in ends]
-
-
-def _arrow_joints(joints: int) -> NDArray[np.int_]:
-    """Return the joints at which the arrows of distributed loads stand."""
-    return np.unique(np.linspace(0, joints - 1, WEIGHTS).round().astype(int))
 
 
 def stability_curves(found: Critical, family: LoadFamily) -> Figure:

@@ -21,8 +21,8 @@ from rodgen.errors import AnalysisError, InputError
 from rodgen.integrate import Solution
 from rodgen.result import Note, Result, ResultTable
 from rodgen.scene import Scene
+from rodgen.show.animation.film import Video, make_video
 from rodgen.show.animation.frame_times import FilmSettings
-from rodgen.show.animation.video import Video, make_video
 from rodgen.show.canvas import draw_into
 from rodgen.show.summary import scene_table
 

@@ -46,23 +46,26 @@ class CurveDisplay:
 
 # By the attribute `format` of the Dataset.
 CURVES = {
-    branches.FORMAT: CurveDisplay(
+    branches.FORMAT.name: CurveDisplay(
         "branch",
         "Branch of {name} along {key}",
         lambda data, scene: bifurcation_diagram([data], scene),
-        branches.ROWS,
+        branches.FORMAT.rows,
     ),
-    stability_boundary.FORMAT: CurveDisplay(
+    stability_boundary.FORMAT.name: CurveDisplay(
         "boundary",
         "Boundary of stability of {name} over {a}, {b}",
         boundary_curve,
-        stability_boundary.ROWS,
+        stability_boundary.FORMAT.rows,
     ),
-    cycle_branches.FORMAT: CurveDisplay(
-        "cycles", "Cycles of {name} along {key}", cycle_branch_diagram, cycle_branches.ROWS
+    cycle_branches.FORMAT.name: CurveDisplay(
+        "cycles", "Cycles of {name} along {key}", cycle_branch_diagram, cycle_branches.FORMAT.rows
     ),
-    nonlinear_modes.FORMAT: CurveDisplay(
-        "mode", "Nonlinear mode {mode} of {name}", frequency_energy_plot, nonlinear_modes.ROWS
+    nonlinear_modes.FORMAT.name: CurveDisplay(
+        "mode",
+        "Nonlinear mode {mode} of {name}",
+        frequency_energy_plot,
+        nonlinear_modes.FORMAT.rows,
     ),
 }
 

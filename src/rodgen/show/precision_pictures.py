@@ -23,7 +23,7 @@ from rodgen.analyse.precision.rows import (
 )
 from rodgen.analyse.precision.work_precision import WorkPrecision
 from rodgen.errors import EmptyPictureError
-from rodgen.show.canvas import FAINT, GUIDE, INK, SERIES, TAIL, figure_without_window, make_figure
+from rodgen.show.canvas import FAINT, GUIDE, INK, SERIES, TAIL, make_figure
 
 # The colour of the series, from 1 on, and the mark.
 OURS = {
@@ -53,7 +53,6 @@ PEERS = {
 }
 OTHERS = ("<", ">", "d")
 DASHES = ((4, 2), (1.5, 1.5), (6, 2, 1, 2), (3, 1, 1, 1, 1, 1))
-LEFT, BELOW = 0.68, 0.48  # inches beside and below a diagram, for its numbers and names
 RAISED = str.maketrans(
     "-0123456789", "\u207b\u2070\u00b9\u00b2\u00b3\u2074\u2075\u2076\u2077\u2078\u2079"
 )
@@ -111,21 +110,22 @@ def _stable_hash(name: str) -> int:
     return sum(map(ord, name))
 
 
-def make_diagram(
-    width: float, height: float, x: str, y: str, fixed: bool = False
-) -> tuple[Figure, Axes]:
-    """Make a figure of one diagram with a pale grid; sizes in inches. fixed: nothing is outside of
-    the diagram, so that its place need not be looked for, which takes half of the time."""
-    figure = figure_without_window(figsize=(width, height)) if fixed else make_figure(width, height)
-    place = LEFT / width, BELOW / height, 1 - (LEFT + 0.1) / width, 1 - (BELOW + 0.1) / height
-    frame = figure.add_axes(place) if fixed else figure.add_subplot()
+def make_diagram(width: float, height: float, x: str, y: str) -> tuple[Figure, Axes]:
+    """Make a figure of one diagram with a pale grid; sizes in inches."""
+    figure = make_figure(width, height)
+    frame = figure.add_subplot()
+    style_frame(frame, x, y)
+    return figure, frame
+
+
+def style_frame(frame: Axes, x: str, y: str) -> None:
+    """Give axes their labels and a pale grid."""
     frame.grid(color=GUIDE, alpha=0.3, linewidth=0.6)
     frame.tick_params(colors=INK, labelsize=8)
     frame.set_xlabel(x, color=INK, fontsize=9)
     frame.set_ylabel(y, color=INK, fontsize=9)
     for side, spine in frame.spines.items():
         spine.set(color=GUIDE, visible=side in ("left", "bottom"))
-    return figure, frame
 
 
 def label_logarithmic(frame: Axes, *, x: bool = True, y: bool = True) -> None:
@@ -173,23 +173,9 @@ def work_precision(rows: Sequence[Measurement], measure: str, trusted: float) ->
         return None
     height = 4.2 + LINE * math.ceil(len(names) / COLUMNS)
     figure, frame = make_diagram(7.6, height, MEASURES[measure], "run time [s]")
-    _draw_lines(frame, rows, measure, "seconds", trusted)
-    _draw_front(frame, rows, measure, trusted)
+    draw_lines(frame, rows, measure, "seconds", trusted)
+    draw_front(frame, rows, measure, trusted)
     return add_legend(figure)
-
-
-def small_diagram(
-    rows: Sequence[Measurement], measure: str, cost: str, trusted: float
-) -> Figure | None:
-    """Small diagram without names. cost: "seconds", or "rhs" for evaluations."""
-    if not drawable_rows(rows, measure, cost):
-        return None
-    title = "run time [s]" if cost == "seconds" else "evaluations of rhs"
-    figure, frame = make_diagram(4.1, 3.0, MEASURES[measure], title, fixed=True)
-    _draw_lines(frame, rows, measure, cost, trusted)
-    if cost == "seconds":
-        _draw_front(frame, rows, measure, trusted)
-    return figure
 
 
 def drawable_rows(rows: Sequence[Measurement], measure: str, cost: str) -> list[Measurement]:
@@ -207,9 +193,11 @@ def _error(row: Measurement, measure: str) -> float:
     return max(read_number(row, measure), SMALLEST)
 
 
-def _draw_lines(
+def draw_lines(
     frame: Axes, rows: Sequence[Measurement], measure: str, cost: str, trusted: float
 ) -> None:
+    """Draw a line for every method. cost: "seconds", or "rhs" for evaluations; trusted: error up to
+    which the reference tells them apart."""
     shown = drawable_rows(rows, measure, cost)
     frame.set(xscale="log", yscale="log")
     for name, some in group_rows(shown, format_label).items():
@@ -232,7 +220,8 @@ def _draw_lines(
     label_logarithmic(frame)
 
 
-def _draw_front(frame: Axes, rows: Sequence[Measurement], measure: str, trusted: float) -> None:
+def draw_front(frame: Axes, rows: Sequence[Measurement], measure: str, trusted: float) -> None:
+    """Draw the Pareto front of run time and error, which nothing beats in both."""
     points = pareto_front(drawable_rows(rows, measure, "seconds"), measure, trusted)
     errors = [_error(row, measure) for row in points]
     seconds = [read_number(row, "seconds") for row in points]

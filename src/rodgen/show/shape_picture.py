@@ -8,7 +8,7 @@ from matplotlib.colors import Normalize
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
-from rodgen.arrays import Array
+from rodgen.arrays import Array, even_indices
 from rodgen.integrate import Solution
 from rodgen.show.canvas import ALONG, LINE, make_figure, set_limits
 from rodgen.show.rod_marks import describe_marks, draw_marks
@@ -58,17 +58,13 @@ def _choose_samples(solution: Solution) -> NDArray[np.int_]:
     way = solution.joints[:, [solution.joints.shape[1] // 2, -1]].reshape(len(solution.t), -1)
     whole = first, last = 0, len(way) - 1
     while last - first >= 2 * SHAPES:
-        samples = _spread_samples(first, last)
+        samples = even_indices(first, last, SHAPES)
         if _interpolation_error(way, samples) <= MISSED:
             return samples
         middle = (first + last) // 2
         before, after = _path_length(way[first : middle + 1]), _path_length(way[middle : last + 1])
         first, last = (first, middle) if before > FURTHER * after else (middle, last)
-    return _spread_samples(*whole)
-
-
-def _spread_samples(first: int, last: int) -> NDArray[np.int_]:
-    return np.unique(np.linspace(first, last, SHAPES).round().astype(int))
+    return even_indices(*whole, SHAPES)
 
 
 def _path_length(way: Array) -> float:

@@ -19,6 +19,7 @@ from matplotlib.patheffects import withStroke
 from matplotlib.ticker import LogLocator
 from numpy.typing import NDArray
 
+from rodgen.arrays import even_indices
 from rodgen.integrate.run_status import FINISHED, NO_RESULT
 from rodgen.show.canvas import BED, INK, LINE, PAPER, SERIES, SPECIAL, VALUES, make_figure
 from rodgen.show.run_pictures import save_figures
@@ -208,7 +209,7 @@ def map_matrix(of: StudyResults, name: str) -> Figure:
     panels_by = min(of.axes, key=lambda axis: lengths[axis])
     at = of.axes.index(panels_by)
     others = tuple(axis for axis in of.axes if axis != panels_by)
-    shown = np.unique(np.linspace(0, lengths[panels_by] - 1, MOST_PANELS).round().astype(int))
+    shown = even_indices(0, lengths[panels_by] - 1, MOST_PANELS)
     columns = int(np.ceil(np.sqrt(len(shown))))
     rows = -(-len(shown) // columns)
     figure = make_figure(2.2 * columns + 1.4, 2.0 * rows + 0.8)

@@ -45,20 +45,15 @@ class StudyResults:
     @cached_property
     def is_sample(self) -> bool:
         """Whether its points are a sample."""
-        return tuple(self.dataset["status"].dims) == ("point",) and "point" not in self.varied_keys
+        return tuple(self.dataset["status"].dims) == ("point",) and "point" not in self.axes
 
     @cached_property
-    def varied_keys(self) -> tuple[str, ...]:
+    def axes(self) -> tuple[str, ...]:
         """Names of the varied keys."""
         dims = tuple(map(str, self.dataset["status"].dims))
         if dims != ("point",) or _is_grid(self.dataset):
             return dims
         return tuple(str(n) for n, c in self.dataset.coords.items() if c.dims == dims != (n,))
-
-    @property
-    def axes(self) -> tuple[str, ...]:
-        """Names of the varied keys, each with its values."""
-        return self.varied_keys
 
     @cached_property
     def kept(self) -> list[str]:

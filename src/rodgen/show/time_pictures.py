@@ -11,7 +11,7 @@ from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
 from rodgen.analyse.spectrum import amplitude_spectrum
-from rodgen.arrays import Array
+from rodgen.arrays import Array, even_indices
 from rodgen.integrate import Solution
 from rodgen.model.rod import CLAMP_ANGLE
 from rodgen.model.term import FORCE, SPREAD, Term
@@ -80,7 +80,7 @@ def moment_map(solution: Solution) -> Figure:
     """Bending moment over time and along the rod."""
     figure = make_figure(6.4, 4.4)
     axes = figure.add_subplot()
-    kept = np.unique(np.linspace(0, len(solution.t) - 1, COLUMNS).round().astype(int))
+    kept = even_indices(0, len(solution.t) - 1, COLUMNS)
     found = solution.bending_moments[kept]
     axes.set_title(f"{solution.scene.name}: bending moment")
     if not has_bending(solution):

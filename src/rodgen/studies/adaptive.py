@@ -17,6 +17,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from rodgen.arrays import even_indices
 from rodgen.errors import InputError
 from rodgen.integrate.run_status import NO_RESULT
 from rodgen.studies.kept_quantities import quantity_variables
@@ -114,7 +115,7 @@ def _first_rectangles(shape: tuple[int, int], least: tuple[int, int]) -> list[Re
     cuts = []
     for count, step in zip(shape, least, strict=True):
         parts = min(FIRST, max(1, (count - 1) // step))
-        cuts.append(np.unique(np.linspace(0, count - 1, parts + 1).round().astype(int)).tolist())
+        cuts.append(even_indices(0, count - 1, parts + 1).tolist())
     rows, columns = (list(pairwise(cut)) for cut in cuts)
     return [(*row, *column) for row in rows for column in columns]
 

@@ -41,11 +41,8 @@ from rodgen.studies.worker_tasks import (
     StudyContext,
     Texts,
     check_worker,
-    client_versions,
     compute_block,
-    compute_block_in_process,
     compute_piece,
-    compute_piece_in_process,
     time_point,
     unset_safe_path,
     versions,
@@ -164,7 +161,7 @@ class Cluster:
             return
         for worker, found in self.client.run(versions, on_error="return").items():
             if not isinstance(found, OSError):  # one that died meanwhile is no worker any more
-                check_worker(worker, found, client_versions())
+                check_worker(worker, found, versions())
 
     def time_point(self, study: Study) -> tuple[float, Texts]:
         """Measure the time of a point [s] on a worker; returns it with generated texts. Points that
@@ -182,22 +179,22 @@ class Cluster:
 
     def compute_blocks(
         self, store: StudyStore, blocks: Iterator[int], texts: Texts
-    ) -> Iterator[task.BlockOutcome]:
+    ) -> Iterator[tuple[int, int]]:
         """Compute blocks, in whatever order they are done. Raises StudyError where the study cannot
         go on, InputError for workers that cannot be used."""
-        yield from self._run_tasks(store, blocks, texts, compute_block, compute_block_in_process)
+        yield from self._run_tasks(store, blocks, texts, compute_block)
 
     def compute_points(
         self, store: StudyStore, pieces: Iterator[Indices], texts: Texts
     ) -> Iterator[tuple[Indices, task.Arrays]]:
         """Compute points that are no blocks, without writing them. Raises as `compute_blocks`."""
-        yield from self._run_tasks(store, pieces, texts, compute_piece, compute_piece_in_process)
+        yield from self._run_tasks(store, pieces, texts, compute_piece)
 
     def _run_tasks(
-        self, store: StudyStore, wanted: Iterator[Any], texts: Texts, *ways: Callable[..., Any]
+        self, store: StudyStore, wanted: Iterator[Any], texts: Texts, compute: Callable[..., Any]
     ) -> Iterator[Any]:
-        """Compute every block or piece in a task, and yield the results. ways: the function of a
-        task, and that of a task whose worker was killed."""
+        """Compute every block or piece in a task, apart from its worker once one was killed. Yields
+        the results."""
         context = StudyContext(store, texts, self._cluster is not None)
         self._register(context)
         events: queue.SimpleQueue[distributed.Future] = queue.SimpleQueue()
@@ -210,9 +207,9 @@ class Cluster:
                     work = again.pop() if again else next(new, None)
                     if work is None:
                         break
-                    way = ways[work.deaths >= ENOUGH_DEATHS]
-                    key = f"{way.__name__}-{context.name}-{work.number}-{work.deaths}"
-                    future = self.client.submit(way, context.name, work.what, key=key, pure=False)
+                    given = context.name, work.what, work.deaths >= ENOUGH_DEATHS
+                    key = f"{compute.__name__}-{context.name}-{work.number}-{work.deaths}"
+                    future = self.client.submit(compute, *given, key=key, pure=False)
                     works[future.key] = work
                     future.add_done_callback(events.put)
                 if not works:

@@ -26,7 +26,7 @@ if TYPE_CHECKING:
     import xarray as xr
 
     from rodgen.studies.store import StudyStore
-    from rodgen.studies.task import Arrays, BlockOutcome
+    from rodgen.studies.task import Arrays
 
 PIECE = 0.2  # seconds of work of points that are refined: a round waits for its last
 BLOCK = 1.0  # seconds of work of a block: a task costs milliseconds
@@ -54,8 +54,9 @@ class Workers(Protocol):
 
     def compute_blocks(
         self, store: StudyStore, blocks: Iterator[int], texts: Texts
-    ) -> Iterator[BlockOutcome]:
-        """Compute blocks, in whatever order they are done."""
+    ) -> Iterator[tuple[int, int]]:
+        """Compute blocks, in whatever order they are done; yields each, and how many of its points
+        failed."""
         ...
 
     def compute_points(
@@ -319,8 +320,8 @@ def _compute_blocks(
     left = (block for block in order if not done[block] and not store.is_done(block))
     before = sum(layout.size(int(block)) for block in done.nonzero()[0])
     with show_count(study.name, study.count, before, said) as count:
-        for one in pool.compute_blocks(store, left, texts):
-            count(one.points, one.failed)
+        for block, failed in pool.compute_blocks(store, left, texts):
+            count(layout.size(block), failed)
     missing = int((~store.done_blocks()).sum())
     if missing:
         raise StudyError(f"{missing} of {layout.count} blocks are not done")

@@ -29,7 +29,7 @@ from rodgen.studies.measures import (
     MOST_POINTS,
     CrossingSection,
     EventCount,
-    Kept,
+    RunMeasure,
     SampleReduction,
     SpectralPeak,
     UserFunction,
@@ -74,25 +74,30 @@ def quantity_variables(study: Specification) -> list[StudyVariable]:
 # Of a run -----------------------------------------------------------------------------------------
 
 
-@lru_cache(maxsize=8)
-def run_quantities(study: Specification) -> tuple[Kept, ...]:
+def run_quantities(study: Specification) -> tuple[RunMeasure, ...]:
     """Return the quantities that are kept of every run. Raises InputError."""
+    # Studies are equal whose functions have the same text, though they may hold other values.
+    return _run_quantities(study, tuple(id(one) for one in study.keep if callable(one)))
+
+
+@lru_cache(maxsize=8)
+def _run_quantities(study: Specification, functions: tuple[int, ...]) -> tuple[RunMeasure, ...]:
     if study.options:
         raise InputError("compute.options", study.options, f"absent: what = {RUN!r} has none")
     if not study.keep:
         raise InputError("compute.keep", [], "what is kept of every run, such as last(tip_x)")
     scene = study.scene_at(reference_point(study))
     equations = facts_of(build_fastest(scene.structure, PARTS))
-    made: list[Kept] = []
+    made: list[RunMeasure] = []
     for at, text in enumerate(study.keep):
         made.append(_parse_quantity(f"compute.keep[{at}]", text, scene, equations))
     return tuple(_number_sections(made))
 
 
-def _parse_quantity(place: str, text: Any, scene: Scene, equations: ModuleFacts) -> Kept:
+def _parse_quantity(place: str, text: Any, scene: Scene, equations: ModuleFacts) -> RunMeasure:
     """Parse one quantity that is kept of a run."""
     if callable(text):
-        return UserFunction(getattr(text, "__name__", place).strip("<>"), text)
+        return UserFunction(getattr(text, "__name__", place).strip("<>"), function=text)
     if not isinstance(text, str):
         raise InputError(place, text, "text, or in Python a function of a Solution")
     numbers = equations.numbers
@@ -100,7 +105,8 @@ def _parse_quantity(place: str, text: Any, scene: Scene, equations: ModuleFacts)
     if reduction is not None:
         _check_number(place, text, reduction.number, numbers)
         seconds = reduction.kind == "time_of_max"
-        return SampleReduction(reduction, "s" if seconds else unit_of(reduction.number, numbers))
+        units = "s" if seconds else unit_of(reduction.number, numbers)
+        return SampleReduction(text, reduction.number, units, reduction=reduction)
     kind, arguments, named = _parse_call(place, text, _OF_A_RUN)
     number = arguments[0] if len(arguments) == 1 else ""
     span = _pop_span(place, text, named)
@@ -109,10 +115,10 @@ def _parse_quantity(place: str, text: Any, scene: Scene, equations: ModuleFacts)
         if number not in names:
             allowed = f"of an event of the scene: {', '.join(map(repr, names)) or 'it has none'}"
             raise InputError(place, text, allowed)
-        return EventCount(text, number, *span)
+        return EventCount(text, event=number, **span)
     if kind == "peak" and number and not named:
         _check_number(place, text, number, numbers)
-        return SpectralPeak(text, number, unit_of(number, numbers), *span)
+        return SpectralPeak(text, number, unit_of(number, numbers), **span)
     if kind == "section" and number:
         _check_number(place, text, number, numbers)
         return _parse_section(place, text, number, named, span, scene, numbers)
@@ -124,7 +130,7 @@ def _parse_section(
     text: str,
     number: str,
     named: dict[str, str],
-    span: tuple[float, float],
+    span: dict[str, Any],
     scene: Scene,
     numbers: Numbers,
 ) -> CrossingSection:
@@ -147,15 +153,14 @@ def _parse_section(
     if not (points.is_integer() and 0 < points <= LIMIT):
         raise InputError(place, text, f"with most= a whole number from 1 to {LIMIT}")
     value, units = _parse_number(place, text, level), unit_of(number, numbers)
-    return CrossingSection(
-        text, number, where, value, direction, units, most=int(points), start=span[0], end=span[1]
-    )
+    crossed: dict[str, Any] = {"where": where, "level": value, "direction": direction}
+    return CrossingSection(text, number, units, **span, **crossed, most=int(points))
 
 
-def _number_sections(made: Sequence[Kept]) -> list[Kept]:
+def _number_sections(made: Sequence[RunMeasure]) -> list[RunMeasure]:
     """Give sections events of their own, and dimensions of their own where lengths differ."""
     lengths: list[int] = []
-    numbered: list[Kept] = []
+    numbered: list[RunMeasure] = []
     for at, one in enumerate(made):
         if isinstance(one, CrossingSection):
             if one.most not in lengths:
@@ -186,7 +191,7 @@ def _parse_call(place: str, text: str, allowed: str) -> tuple[str, list[str], di
     return whole[1], arguments, named
 
 
-def _pop_span(place: str, text: str, named: dict[str, str]) -> tuple[float, float]:
+def _pop_span(place: str, text: str, named: dict[str, str]) -> dict[str, Any]:
     """Take the times `from` and `to` out of the named arguments."""
     start, end = (
         _parse_number(place, text, named.pop(key)) if key in named else value
@@ -194,7 +199,7 @@ def _pop_span(place: str, text: str, named: dict[str, str]) -> tuple[float, floa
     )
     if not start <= end:
         raise InputError(place, text, "with times from <= to")
-    return start, end
+    return {"start": start, "end": end}
 
 
 def _parse_number(place: str, text: str, value: str) -> float:

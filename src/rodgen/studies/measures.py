@@ -33,42 +33,50 @@ def event_crossing(event: EventTable) -> Crossing:
 
 
 @dataclass(frozen=True)
-class SampleReduction:
-    """A reduction of the samples of a run."""
+class RunMeasure:
+    """A quantity that is kept of a run, by default a single number.
 
-    reduction: Reduction
-    units: str
+    text: as in `keep`; number: name of what it is computed from, "" for none; units: of its values;
+    start, end: times [s] between which it is computed.
+    """
 
-    @property
-    def text(self) -> str:
-        """Text of the reduction, as in `keep`."""
-        return self.reduction.text
+    text: str
+    number: str = ""
+    units: str = ""
+    start: float = EVERY[0]
+    end: float = EVERY[1]
 
     @property
     def numbers(self) -> tuple[str, ...]:
         """Names of the numbers it is computed from."""
-        return (self.reduction.number,)
+        return (self.number,) if self.number else ()
 
     @property
     def variables(self) -> tuple[StudyVariable, ...]:
-        """The variable of the reduced number."""
+        """The variables that it fills."""
         return (StudyVariable(self.text, units=self.units),)
 
     def compute(self, solution: Solution, places: Numbers) -> dict[str, Any]:
         """Compute it for one run, by the names of its variables."""
-        values = places.values(solution, self.reduction.number)
-        return {self.text: self.reduction.reduce(solution.t, values)}
+        raise NotImplementedError
 
 
 @dataclass(frozen=True)
-class EventCount:
+class SampleReduction(RunMeasure):
+    """A reduction of the samples of a run."""
+
+    reduction: Reduction = field(kw_only=True)
+
+    def compute(self, solution: Solution, places: Numbers) -> dict[str, Any]:
+        """Compute it for one run, by the names of its variables."""
+        return {self.text: self.reduction.reduce(solution.t, places.values(solution, self.number))}
+
+
+@dataclass(frozen=True)
+class EventCount(RunMeasure):
     """Number of occurrences of an event of the scene between two times [s]."""
 
-    text: str
-    event: str
-    start: float = EVERY[0]
-    end: float = EVERY[1]
-    numbers: tuple[str, ...] = ()
+    event: str = field(kw_only=True)
 
     @property
     def variables(self) -> tuple[StudyVariable, ...]:
@@ -92,26 +100,16 @@ class EventCount:
 
 
 @dataclass(frozen=True)
-class CrossingSection:
+class CrossingSection(RunMeasure):
     """Section of a run: a number and the times [s] at the crossings of a level by another number,
     the first `most` of those between two times [s]."""
 
-    text: str
-    number: str
-    where: str
-    level: float
-    direction: str
-    units: str
+    where: str = field(kw_only=True)
+    level: float = field(kw_only=True)
+    direction: str = field(kw_only=True)
     event: str = ""
     most: int = MOST_POINTS
-    start: float = EVERY[0]
-    end: float = EVERY[1]
     dim: str = "crossing"
-
-    @property
-    def numbers(self) -> tuple[str, ...]:
-        """Names of the numbers it is computed from."""
-        return (self.number,)
 
     @property
     def variables(self) -> tuple[StudyVariable, ...]:
@@ -168,19 +166,8 @@ class CrossingSection:
 
 
 @dataclass(frozen=True)
-class SpectralPeak:
+class SpectralPeak(RunMeasure):
     """The highest peak in the spectrum of a number between two times [s]."""
-
-    text: str
-    number: str
-    units: str
-    start: float = EVERY[0]
-    end: float = EVERY[1]
-
-    @property
-    def numbers(self) -> tuple[str, ...]:
-        """Names of the numbers it is computed from."""
-        return (self.number,)
 
     @property
     def variables(self) -> tuple[StudyVariable, ...]:
@@ -223,21 +210,11 @@ class SpectralPeak:
 
 
 @dataclass(frozen=True)
-class UserFunction:
+class UserFunction(RunMeasure):
     """A user's function that makes a number of a Solution."""
 
-    text: str
-    function: Callable[[Solution], float] = field(compare=False)
-    numbers: tuple[str, ...] = ()
-
-    @property
-    def variables(self) -> tuple[StudyVariable, ...]:
-        """The variable of that number."""
-        return (StudyVariable(self.text),)
+    function: Callable[[Solution], float] = field(kw_only=True, compare=False)
 
     def compute(self, solution: Solution, places: Numbers) -> dict[str, Any]:
         """Call the function. Raises what it raises; TypeError for what is no number."""
         return {self.text: float(self.function(solution))}
-
-
-Kept = SampleReduction | EventCount | CrossingSection | SpectralPeak | UserFunction

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -17,17 +16,11 @@ if TYPE_CHECKING:
     from rodgen.studies.study import Study
 
 
-@dataclass(frozen=True)
-class PointResults:
-    """Kept quantities of some points: arrays by the names of variables, first axis the points."""
-
-    arrays: dict[str, NDArray[Any]]
-
-
 def evaluate(
     study: Study, points: Sequence[Mapping[str, Any]], indices: Sequence[int] = ()
-) -> PointResults:
-    """Compute what a study keeps of some of its points.
+) -> dict[str, NDArray[Any]]:
+    """Compute what a study keeps of some of its points: arrays by the names of variables, whose
+    first axis is the points.
 
     points: values by varied names; indices: their numbers in the study, which nothing depends on. A
     point that cannot be built or computed has status "failed", its reason as message, and fill
@@ -38,4 +31,4 @@ def evaluate(
     given = [dict(point) for point in points]
     with np.errstate(all="ignore"):
         (point_runs if study.what == RUN else point_analyses).compute(study, given, made)
-    return PointResults(made.arrays)
+    return made.arrays

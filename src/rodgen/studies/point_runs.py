@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from contextlib import suppress
 from dataclasses import replace
 from functools import lru_cache
@@ -28,7 +28,7 @@ from rodgen.studies.kept_quantities import PARTS, check_numbers, run_quantities
 from rodgen.studies.measures import (
     CrossingSection,
     EventCount,
-    Kept,
+    RunMeasure,
     SampleReduction,
     SpectralPeak,
     UserFunction,
@@ -52,11 +52,10 @@ FEW = 3  # points of a group, up to which making their scenes is faster than a b
 
 def compute(study: Study, points: list[Point], made: PointArrays) -> None:
     """Run every point, and fill in the kept quantities."""
-    wanted = run_quantities(study)
-    if not any(isinstance(one, UserFunction) for one in wanted):
-        _run_together(study, points, made, wanted)
+    if not any(isinstance(one, UserFunction) for one in run_quantities(study)):
+        _run_together(study, points, made)
     else:
-        _run_one_by_one(study, points, range(len(points)), made, wanted)
+        _run_one_by_one(study, points, range(len(points)), made)
 
 
 # Together -----------------------------------------------------------------------------------------
@@ -77,9 +76,7 @@ class _Batch:
         self.y.append(y)
 
 
-def _run_together(
-    study: Study, points: list[Point], made: PointArrays, wanted: tuple[Kept, ...]
-) -> None:
+def _run_together(study: Study, points: list[Point], made: PointArrays) -> None:
     names = _slot_names(study)
     others = tuple(name for axis in study.axes if (name := axis.name) not in names)
     batches: dict[Any, _Batch] = {}
@@ -112,16 +109,15 @@ def _run_together(
     for one in batches.values():
         made.arrays[METHOD.name][one.points] = one.system.settings.method
         try:
-            _run_batch(study, one, points, made, wanted)
+            _run_batch(study, one, points, made)
         except InputError as error:
             for at in one.points:
                 made.fail(at, str(error))
 
 
-def _run_batch(
-    study: Study, batch: _Batch, points: list[Point], made: PointArrays, wanted: tuple[Kept, ...]
-) -> None:
+def _run_batch(study: Study, batch: _Batch, points: list[Point], made: PointArrays) -> None:
     """Run a batch, in lanes if possible. Raises InputError."""
+    wanted = run_quantities(study)
     system = _with_section_events(batch.system, wanted)
     model = system.model(parts=PARTS)
     equations, settings = facts_of(model), system.settings.used_settings
@@ -131,7 +127,7 @@ def _run_batch(
     peaks = [one for one in wanted if isinstance(one, SpectralPeak)]
     more: dict[str, Any] = {"crossings": crossings, "traced": [one.number for one in peaks]}
     if (crossings or peaks) and not can_run_in_lanes(model, texts, **more, **settings):
-        _run_one_by_one(study, points, batch.points, made, wanted)
+        _run_one_by_one(study, points, batch.points, made)
         return
     p, y = np.concatenate(batch.p), np.concatenate(batch.y)
     width = 1 + sum(one.width for one in crossings) + len(peaks) * len(system.settings.sample_times)
@@ -142,7 +138,7 @@ def _run_batch(
             with time_limit(limit, system):
                 found = simulate_rods(model, p[few], y[few], keep=texts, **more, **settings)
         except TimeLimitExceeded:  # some of them, or one
-            _run_one_by_one(study, points, at.tolist(), made, wanted)
+            _run_one_by_one(study, points, at.tolist(), made)
             continue
         values: dict[str, Any] = {text: found[text] for text in texts}
         for one, number in crossing:
@@ -156,7 +152,7 @@ def _run_batch(
 
 
 def _crossings(
-    system: System, wanted: tuple[Kept, ...], equations: ModuleFacts
+    system: System, wanted: Sequence[RunMeasure], equations: ModuleFacts
 ) -> tuple[list[Crossing], list[tuple[EventCount | CrossingSection, int]]]:
     """Return the crossings that runs watch for, and the index of that of each kept quantity."""
     found = [
@@ -232,14 +228,10 @@ def _choose_method(system: System) -> str:
 
 
 def _run_one_by_one(
-    study: Study,
-    points: list[Point],
-    places: Iterable[int],
-    made: PointArrays,
-    wanted: tuple[Kept, ...],
+    study: Study, points: list[Point], places: Iterable[int], made: PointArrays
 ) -> None:
     """Run some of the points by `simulate`; places: their positions."""
-    names = _slot_names(study)
+    names, wanted = _slot_names(study), run_quantities(study)
     others = [axis.name for axis in study.axes if axis.name not in names]
     for at in places:
         start, point = time.process_time(), points[at]
@@ -257,7 +249,7 @@ def _run_one_by_one(
         made.arrays["seconds"][at] = time.process_time() - start
 
 
-def _run_point(system: System, wanted: tuple[Kept, ...], made: PointArrays, at: int) -> None:
+def _run_point(system: System, wanted: Sequence[RunMeasure], made: PointArrays, at: int) -> None:
     """Fill in the kept quantities of one run. Raises InputError, RunError."""
     model = system.model(parts=PARTS)
     equations = facts_of(model)
@@ -275,7 +267,7 @@ def _run_point(system: System, wanted: tuple[Kept, ...], made: PointArrays, at: 
     made.set_point(at, values, solution.energy_error, solution.message, len(solution.doubts))
 
 
-def _with_section_events(system: System, wanted: tuple[Kept, ...]) -> System:
+def _with_section_events(system: System, wanted: Sequence[RunMeasure]) -> System:
     """Return the system with the events of sections added."""
     tables = [one.event_table for one in wanted if isinstance(one, CrossingSection)]
     if not tables:

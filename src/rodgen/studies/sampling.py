@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import warnings
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Sequence
 from functools import lru_cache
 from typing import Any
 
@@ -51,9 +51,7 @@ def _draw_shares(sample: Sample, dimensions: int, indices: Sequence[int]) -> NDA
         return np.array(rows).reshape(-1, dimensions)
     if sample.method == LATIN:
         return _hypercube(sample.seed, sample.count, dimensions)[list(indices)]
-    sequence = _sobol_sequence(sample.seed, dimensions)
-    rows = [sequence.take(first, count) for first, count in _consecutive_runs(indices)]
-    return np.concatenate(rows) if rows else np.empty((0, dimensions))
+    return _sobol_rows(_sobol_sequence(sample.seed, dimensions), indices)
 
 
 def _random_row(seed: int, index: int, dimensions: int) -> NDArray[np.float64]:
@@ -72,42 +70,22 @@ def _hypercube(seed: int, count: int, dimensions: int) -> NDArray[np.float64]:
     return made
 
 
-class _SobolSequence:
-    """A scrambled Sobol sequence that remembers its position."""
-
-    def __init__(self, seed: int, dimensions: int):
-        from scipy.stats import qmc
-
-        self._made: Callable[[], Any] = lambda: qmc.Sobol(
-            dimensions, bits=BITS, scramble=True, seed=np.random.default_rng(seed)
-        )
-        self._sobol, self._next = self._made(), 0
-
-    def take(self, first: int, count: int) -> NDArray[np.float64]:
-        """Return so many rows from the first on."""
-        if first < self._next:
-            self._sobol, self._next = self._made(), 0
-        if first > self._next:
-            self._sobol.fast_forward(first - self._next)
-        with warnings.catch_warnings():
-            # SciPy asks for a power of two; how many there are is the user's choice.
-            warnings.simplefilter("ignore", UserWarning)
-            rows: NDArray[np.float64] = self._sobol.random(count)
-        self._next = first + count
-        return rows
-
-
 @lru_cache(maxsize=MOST_KEPT)
-def _sobol_sequence(seed: int, dimensions: int) -> _SobolSequence:
-    return _SobolSequence(seed, dimensions)
+def _sobol_sequence(seed: int, dimensions: int) -> Any:
+    from scipy.stats import qmc
+
+    return qmc.Sobol(dimensions, bits=BITS, scramble=True, seed=np.random.default_rng(seed))
 
 
-def _consecutive_runs(indices: Iterable[int]) -> list[tuple[int, int]]:
-    """Split whole numbers into runs of consecutive ones: first and count of each."""
-    runs: list[tuple[int, int]] = []
-    for index in indices:
-        if runs and index == sum(runs[-1]):
-            runs[-1] = runs[-1][0], runs[-1][1] + 1
-        else:
-            runs.append((index, 1))
-    return runs
+def _sobol_rows(sequence: Any, indices: Sequence[int]) -> NDArray[np.float64]:
+    """Return rows of a sequence, which goes on from where it is: blocks follow each other."""
+    first, beyond = min(indices, default=0), max(indices, default=-1) + 1
+    if first < sequence.num_generated:
+        sequence.reset()
+    if first > sequence.num_generated:
+        sequence.fast_forward(first - sequence.num_generated)
+    with warnings.catch_warnings():
+        # SciPy asks for a power of two; how many there are is the user's choice.
+        warnings.simplefilter("ignore", UserWarning)
+        rows = np.asarray(sequence.random(beyond - first), dtype=float)
+    return rows[[index - first for index in indices]]

@@ -9,7 +9,6 @@ from __future__ import annotations
 import json
 import os
 import re
-import shutil
 import tempfile
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
@@ -67,18 +66,16 @@ class StudyStore:
         layout = Layout.of(study.shape, size)
         try:
             path.parent.mkdir(parents=True, exist_ok=True)
-            folder = Path(
-                tempfile.mkdtemp(dir=path.parent, prefix=f".{path.name}.", suffix=".part")
-            )
-            try:
-                _create(folder, study, layout, adaptive)
-                folder.chmod(0o777 & ~_umask())
-                os.rename(folder, path)
-            except OSError:
-                if not path.is_dir():
-                    raise
-            finally:
-                shutil.rmtree(folder, ignore_errors=True)
+            with tempfile.TemporaryDirectory(
+                ".part", f".{path.name}.", path.parent, ignore_cleanup_errors=True
+            ) as folder:
+                made = Path(folder, path.name)
+                try:
+                    _create(made, study, layout, adaptive)
+                    os.rename(made, path)
+                except OSError:
+                    if not path.is_dir():
+                        raise
         except OSError as error:
             allowed = f"a place for a store ({error.strerror or error})"
             raise InputError("out", str(path), allowed) from None
@@ -258,11 +255,6 @@ def _open_array(group: zarr.Group, name: str) -> zarr.Array[Any]:
     return found
 
 
-def _mark_file(path: Path, place: tuple[int, ...]) -> Path:
-    """Return the file of the chunk that marks a block, as Zarr names it."""
-    return path.joinpath(MARK, CHUNKS, *map(str, place))
-
-
 def dtype_of(name: str) -> Any:
     """Return the type of an array: text has any length, as Zarr has no standard for a fixed one."""
     return np.dtypes.StringDType() if name.startswith("U") else np.dtype(name)
@@ -345,7 +337,7 @@ def _extend(path: Path, arrays: Mapping[str, zarr.Array[Any]], count: int, befor
 
     (chunk,) = arrays[MARK].chunks
     if before % chunk:
-        _mark_file(path, (before // chunk,)).unlink(missing_ok=True)
+        path.joinpath(MARK, CHUNKS, str(before // chunk)).unlink(missing_ok=True)
 
     def resize(folder: Path) -> None:
         group = zarr.open_group(folder, mode="r+", zarr_format=3)
@@ -354,9 +346,3 @@ def _extend(path: Path, arrays: Mapping[str, zarr.Array[Any]], count: int, befor
             array.resize((count, *array.shape[1:]))
 
     write_checksums(path, resize)
-
-
-def _umask() -> int:
-    mask = os.umask(0)
-    os.umask(mask)
-    return mask

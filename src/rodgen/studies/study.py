@@ -6,6 +6,7 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any, Self
 
+from rodgen.arrays import even_indices
 from rodgen.errors import UNKNOWN, InputError, did_you_mean, unknown_key_message
 from rodgen.result import Result, Row
 from rodgen.scene import Scene
@@ -13,7 +14,7 @@ from rodgen.scene.plain_tables import STUDY, read_toml, to_plain
 from rodgen.scene.scene_files import read_table_files
 from rodgen.studies.axis import Axis, Sample, read_axis
 from rodgen.studies.kept_quantities import variables
-from rodgen.studies.sampling import points_at
+from rodgen.studies.reference_point import MOST_TRIED, reference_point
 from rodgen.studies.specification import Kept, Specification
 from rodgen.studies.time_limit import check_limit
 from rodgen.system import System
@@ -36,7 +37,6 @@ KEYS = {
         "time_limit": ("seconds that a point may take", "no limit"),
     },
 }
-MOST_TRIED = 1000  # points that are made to find one that the scene takes
 MANY = 10**8  # points, beyond which a study is asked for twice
 
 
@@ -155,16 +155,13 @@ class Study(Specification, Result):
                 allowed = "something else than a varied key, without a slash"
                 raise InputError("compute.keep", kept.name, allowed)
             names.add(kept.name)
-        first: InputError | None = None
-        for index in _spread_indices(self.count):
-            try:
-                self.system_at(points_at(self, [index])[0])
-                return
-            except InputError as error:
-                first = first or error
-        if first is not None and self.count <= MOST_TRIED:
-            why = f"such that the scene takes one point at least (of the first it says: {first})"
-            raise InputError("vary", list(self.places), why)
+        try:
+            reference_point(self)
+        except InputError as first:
+            if self.count <= MOST_TRIED:
+                why = "such that the scene takes one point at least"
+                why = f"{why} (of the first it says: {first})"
+                raise InputError("vary", list(self.places), why) from None
 
     def _check_axis(self, one: Axis) -> None:
         """Raise InputError for a key that the scene does not have, or that takes none of these
@@ -172,7 +169,7 @@ class Study(Specification, Result):
         self.place(one.name)
         values = one.values or tuple(one.value_at(share) for share in (0.0, 0.5, 1 - 1e-9))
         first: InputError | None = None
-        for at in _spread_indices(len(values)):
+        for at in even_indices(0, len(values) - 1, min(len(values), MOST_TRIED)):
             try:
                 self.system_at({one.name: values[at]})
                 return
@@ -204,13 +201,6 @@ def _check_keys(table: str, given: Mapping[str, Any]) -> None:
 def _is_about(error: InputError, place: tuple[str, ...]) -> bool:
     """Whether an error is about a key."""
     return error.field.replace("[", ".").replace("]", "").startswith(".".join(place))
-
-
-def _spread_indices(count: int) -> Sequence[int]:
-    """Return all whole numbers below a count, or MOST_TRIED of them, evenly spaced."""
-    if count <= MOST_TRIED:
-        return range(count)
-    return [at * (count - 1) // (MOST_TRIED - 1) for at in range(MOST_TRIED)]
 
 
 def _values_text(axis: Axis) -> str:

@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping, Sequence
 from time import perf_counter, process_time
 from typing import TYPE_CHECKING, Any
 
@@ -31,30 +30,6 @@ MOST_SHARED = 20  # processes on a processor: a smaller share means waiting, whi
 PATIENT = 20.0  # seconds after which what is timed is not timed again
 
 
-@dataclass(frozen=True)
-class BlockOutcome:
-    """A block that is marked: its number, how many points it has, and how many of them failed."""
-
-    block: int
-    points: int
-    failed: int
-
-
-def compute_block(store: StudyStore, block: int) -> BlockOutcome:
-    """Compute a block of a store, unless it is marked."""
-    indices = store.layout.indices(block)
-    if store.is_done(block):
-        return BlockOutcome(block, len(indices), 0)
-    return write_block(store, block, compute_points(store.study, indices))
-
-
-def write_block(store: StudyStore, block: int, arrays: Arrays) -> BlockOutcome:
-    """Write the results of the points of a block, and mark it."""
-    indices = store.layout.indices(block)
-    store.write_block(block, points_at(store.study, indices), arrays)
-    return BlockOutcome(block, len(indices), int(np.isin(arrays[MARK], NO_RESULT).sum()))
-
-
 def compute_points(study: Study, indices: Sequence[int]) -> Arrays:
     """Compute points; returns arrays by the names of the variables. A point that raises an
     unexpected exception is recorded as failed, and the others are computed without it."""
@@ -63,7 +38,7 @@ def compute_points(study: Study, indices: Sequence[int]) -> Arrays:
     with threadpool_limits(1):
         try:
             with collect_doubts():  # doubts are counted
-                return evaluate(study, given, indices).arrays
+                return evaluate(study, given, indices)
         except Exception as error:  # of a function of the user's, or of a library under it
             if len(indices) == 1:
                 return failure_arrays(study, f"{type(error).__name__}: {error}")
@@ -71,6 +46,19 @@ def compute_points(study: Study, indices: Sequence[int]) -> Arrays:
     return concatenate(
         [compute_points(study, indices[:half]), compute_points(study, indices[half:])]
     )
+
+
+def compute_block(
+    store: StudyStore, block: int, compute: Callable[[Study, Sequence[int]], Arrays]
+) -> tuple[int, int]:
+    """Compute a block of a store, write it and mark it, unless it is marked. Returns its number,
+    and how many of its points failed."""
+    if store.is_done(block):
+        return block, 0
+    indices = store.layout.indices(block)
+    arrays = compute(store.study, indices)
+    store.write_block(block, points_at(store.study, indices), arrays)
+    return block, int(np.isin(arrays[MARK], NO_RESULT).sum())
 
 
 def failure_arrays(study: Study, why: str) -> Arrays:

@@ -16,6 +16,7 @@ from distributed import WorkerPlugin
 from rodgen.errors import InputError
 from rodgen.loading import cache
 from rodgen.studies import task
+from rodgen.studies.local import compute_in_process
 from rodgen.studies.store import StudyStore, identity
 
 if TYPE_CHECKING:
@@ -34,7 +35,7 @@ class StudyContext(WorkerPlugin):  # type: ignore[misc]  # Dask has no types
 
     def __init__(self, store: StudyStore, texts: Texts, own: bool):
         self.study, self.path, self.token = store.study, store.path, store.token
-        self.texts, self.own, self.identity = texts, own, client_versions()
+        self.texts, self.own, self.identity = texts, own, versions()
         self.name = f"rodgen-{uuid4().hex}"  # another client may work at the same store
 
     def __getstate__(self) -> dict[str, Any]:
@@ -74,12 +75,7 @@ def unset_safe_path() -> None:
 
 def versions() -> dict[str, str]:
     """Return the versions that have to be equal on all workers."""
-    return {**identity(), "Python": f"{sys.version_info.major}.{sys.version_info.minor}"}
-
-
-def client_versions() -> dict[str, str]:
-    """Return the versions of this client."""
-    return versions()
+    return {"Python": f"{sys.version_info.major}.{sys.version_info.minor}", **identity()}
 
 
 def check_worker(name: str, found: Any, wanted: dict[str, str]) -> None:
@@ -94,32 +90,16 @@ def check_worker(name: str, found: Any, wanted: dict[str, str]) -> None:
     raise InputError("--scheduler", name, f"of workers with this version of rodgen ({what})")
 
 
-def compute_block(name: str, block: int) -> task.BlockOutcome:
-    """Compute a block on a worker."""
-    return task.compute_block(_context(name).store, block)
+def compute_block(name: str, block: int, apart: bool) -> tuple[int, int]:
+    """Compute a block on a worker; apart: in a process that may die without the worker."""
+    compute = compute_in_process if apart else task.compute_points
+    return task.compute_block(_context(name).store, block, compute)
 
 
-def compute_block_in_process(name: str, block: int) -> task.BlockOutcome:
-    """Compute a block whose worker was killed, in a process that may die without the worker."""
-    from rodgen.studies.isolated import compute_in_process
-
-    store = _context(name).store
-    indices = store.layout.indices(block)
-    if store.is_done(block):
-        return task.BlockOutcome(block, len(indices), 0)
-    return task.write_block(store, block, compute_in_process(store.study, indices))
-
-
-def compute_piece(name: str, indices: Indices) -> tuple[Indices, task.Arrays]:
-    """Compute points on a worker, without writing them to the store."""
-    return indices, task.compute_points(_context(name).store.study, indices)
-
-
-def compute_piece_in_process(name: str, indices: Indices) -> tuple[Indices, task.Arrays]:
-    """Compute points whose worker was killed, in a process that may die without the worker."""
-    from rodgen.studies.isolated import compute_in_process
-
-    return indices, compute_in_process(_context(name).store.study, indices)
+def compute_piece(name: str, indices: Indices, apart: bool) -> tuple[Indices, task.Arrays]:
+    """Compute points on a worker, without writing them to the store; apart: as `compute_block`."""
+    compute = compute_in_process if apart else task.compute_points
+    return indices, compute(_context(name).store.study, indices)
 
 
 def _context(name: str) -> StudyContext:

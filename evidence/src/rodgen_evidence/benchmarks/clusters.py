@@ -19,8 +19,8 @@ from rodgen.studies import task
 from rodgen.studies.cluster import SETTINGS
 from rodgen.studies.kept_quantities import variables
 from rodgen.studies.point_arrays import PointArrays
-from rodgen.studies.point_results import PointResults
 from rodgen.studies.study import Study
+from rodgen.studies.task import Arrays
 from rodgen_evidence.report.costs.rod import scene
 
 KEEP = ["last(tip_x)", "max(phi_19)", "max(omega_19)"]
@@ -60,11 +60,11 @@ class Empty(distributed.WorkerPlugin):  # type: ignore[misc]  # Dask has no type
 
 def nothing(
     study: Study, points: Sequence[Mapping[str, Any]], indices: Sequence[int] = ()
-) -> PointResults:
+) -> Arrays:
     """Points that are all finished, without a run."""
     made = PointArrays(variables(study), len(points))
     made.arrays["status"][:] = "finished"
-    return PointResults({name: np.asarray(values) for name, values in made.arrays.items()})
+    return made.arrays
 
 
 def same(a: xr.Dataset, b: xr.Dataset) -> bool:

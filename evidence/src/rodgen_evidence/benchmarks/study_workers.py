@@ -22,9 +22,9 @@ import xarray as xr
 
 from rodgen.studies import task
 from rodgen.studies.engine import BLOCK, run_study
-from rodgen.studies.point_results import PointResults
 from rodgen.studies.store import StudyStore, read_store
 from rodgen.studies.study import Study
+from rodgen.studies.task import Arrays
 from rodgen_evidence.benchmarks.clusters import nothing, same, study_of, workers
 from rodgen_evidence.benchmarks.study_engine import span_of
 
@@ -41,7 +41,7 @@ class Waiting(distributed.WorkerPlugin):  # type: ignore[misc]  # Dask has no ty
     def setup(self, worker: Any) -> None:
         def wait(
             study: Study, points: Sequence[Mapping[str, Any]], indices: Sequence[int] = ()
-        ) -> PointResults:
+        ) -> Arrays:
             time.sleep(self.seconds)
             return nothing(study, points, indices)
 

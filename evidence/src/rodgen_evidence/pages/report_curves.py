@@ -1,4 +1,4 @@
-"""Pictures of the report and of docs/which-method.md beside the work-precision diagrams."""
+"""Pictures of the report and of docs/which-method.md beside the large work-precision diagrams."""
 
 from __future__ import annotations
 
@@ -13,20 +13,27 @@ from pandas import DataFrame
 
 from rodgen.analyse.precision.contestant import Measurement
 from rodgen.analyse.precision.rows import format_setting, has_result, read_number
-from rodgen.show.canvas import INK, SERIES
+from rodgen.show.canvas import INK, SERIES, figure_without_window
 from rodgen.show.precision_pictures import (
+    MEASURES,
     OURS,
     add_legend,
+    draw_front,
+    draw_lines,
+    drawable_rows,
     label_logarithmic,
     line_style,
     make_diagram,
     own_style,
+    style_frame,
 )
 from rodgen_evidence.report.contents import Contents, of
 from rodgen_evidence.report.precision.growth import curve, growth_line
 from rodgen_evidence.report.precision.orders import finest
 
 WIDTH, HEIGHT = 4.6, 3.5
+SMALL = 4.1, 3.0  # inches: of a diagram without names
+LEFT, BELOW = 0.68, 0.48  # inches beside and below it, for its numbers and labels
 SAVED = {
     "operations": "operations",
     "object_bytes": "bytes of object code",
@@ -57,6 +64,24 @@ COLOURS = {
     "right": "#d0ecd5",
 }
 ORDERS_OF = "free_n20"  # the scene on which orders are looked at
+
+
+def small_diagram(
+    rows: Sequence[Measurement], measure: str, cost: str, trusted: float
+) -> Figure | None:
+    """Small work-precision diagram without names. cost: "seconds", or "rhs" for evaluations."""
+    if not drawable_rows(rows, measure, cost):
+        return None
+    # Its place need not be looked for, as there is nothing outside: that takes half of the time.
+    (width, height), figure = SMALL, figure_without_window(figsize=SMALL)
+    place = LEFT / width, BELOW / height, 1 - (LEFT + 0.1) / width, 1 - (BELOW + 0.1) / height
+    frame = figure.add_axes(place)
+    title = "run time [s]" if cost == "seconds" else "evaluations of rhs"
+    style_frame(frame, MEASURES[measure], title)
+    draw_lines(frame, rows, measure, cost, trusted)
+    if cost == "seconds":
+        draw_front(frame, rows, measure, trusted)
+    return figure
 
 
 def growth(rows: Sequence[Measurement]) -> Figure | None:

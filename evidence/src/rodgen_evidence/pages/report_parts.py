@@ -80,11 +80,11 @@ def _figures(
         figure = (
             figures.work_precision(rows, measure, limit)
             if main
-            else figures.small_diagram(rows, measure, "seconds", limit)
+            else curves.small_diagram(rows, measure, "seconds", limit)
         )
         name = f"{scene}-{measure.removeprefix('error_')}"
         shown.append(pictures.save(figure, name, caption, alt, large=main))
-    figure = figures.small_diagram(rows, "error_phi", "rhs", trusted(contents, scene))
+    figure = curves.small_diagram(rows, "error_phi", "rhs", trusted(contents, scene))
     caption = f"Evaluations of rhs against the {figures.MEASURES['error_phi']}"
     shown.append(pictures.save(figure, f"{scene}-evaluations", caption, f"{scene}: {caption}"))
     return [picture for picture in shown if picture]

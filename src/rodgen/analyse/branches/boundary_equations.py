@@ -176,8 +176,7 @@ class BoundaryProblem(ContinuationProblem):
     def _angular_frequency(self, u: Array) -> float:
         return float(self.omega * np.exp(u[0])) if self.omega else 0.0
 
-    def update_border(self, u: Array) -> None:
-        """Update the border of the singular matrix to a point."""
+    def adapt_to(self, u: Array) -> None:
         a, b, _ = self.values(u)
         here, rate = self.plane.matrices(*self._with_weak_damping(a, b)), self._angular_frequency(u)
         self._border = Border.of(self.kind.singular_matrix(here, rate), self._border)
@@ -192,7 +191,7 @@ class BoundaryProblem(ContinuationProblem):
 
     def evaluate(self, u: Array) -> tuple[Array, Array]:
         if self._border is None:
-            self.update_border(u)
+            self.adapt_to(u)
         assert self._border is not None
         rate = self._angular_frequency(u)
         a, b = self._with_weak_damping(*self.values(u)[:2])

@@ -3,19 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from rodgen.analyse.analysis_guard import guard_analysis
 from rodgen.analyse.branches.equilibria import Equilibria, has_doubtful_counts
-from rodgen.analyse.branches.equilibrium_data import (
-    EquilibriumBranch,
-    SavedPoint,
-    dataset,
-    read_point,
-)
+from rodgen.analyse.branches.equilibrium_data import SavedPoint, dataset, read_point
 from rodgen.analyse.branches.equilibrium_problems import equilibrium_problem
 from rodgen.analyse.branches.steady_motions import SteadyMotions, motion_from_state, motion_problem
 from rodgen.analyse.curves.branch_switching import select_special, switch_branch
@@ -33,13 +27,12 @@ from rodgen.analyse.curves.mesh_check import add_mesh_doubts, double_links
 from rodgen.analyse.curves.special_points import locate_branch_point
 from rodgen.analyse.equilibrium_search import check_imperfection, find_equilibrium
 from rodgen.analyse.memory_needs import BRANCH, check_analysis_memory
-from rodgen.analyse.ranges import check_bounds
+from rodgen.analyse.ranges import check_bounds, check_inside
 from rodgen.analyse.rod_range import RodRange
 from rodgen.analyse.steady_rod import SteadyRod
 from rodgen.analyse.steady_state import SteadyState, find_steady_state
 from rodgen.errors import InputError
 from rodgen.scene import Scene
-from rodgen.scene.plain_tables import is_number, to_plain
 from rodgen.system import ParameterRange, System, system_at_start
 
 if TYPE_CHECKING:
@@ -138,16 +131,21 @@ def continue_equilibria(
     if check_mesh:
         if resume is not None:
             raise InputError("check_mesh", True, "absent beside resume")
-        beside = double_links(scene, key)
+        given: dict[str, Any] = {"start": start, "switch": switch, "imperfection": imperfection}
+        given |= {"motion": motion, "step": step, "most": most, "t": t}
+        finer = double_links(scene, key)
+        found = continue_equilibria(system, key, bounds, **given, watch=watch)
+        return add_mesh_doubts(
+            found, scene.rod.links, lambda: continue_equilibria(finer, key, bounds, **given)
+        )
     low, high = bounds = check_bounds(bounds)
-    begin = low if start is None else _check_inside("start", start, bounds)
+    begin = low if start is None else check_inside(start, "start", bounds)
     before = None if resume is None else read_point(resume, scene, key, at)
     if before is not None:
         begin = before.values[0]
     steps = StepControl.of(step, most, 4)
     problem = _make_problem(system, key, bounds, begin, imperfection, motion, before, t)
     first = problem.start
-    branch = EquilibriumBranch(scene, key, problem, Curve())
 
     def on_point(point: CurvePoint) -> None:
         watch(problem.value(point.u))
@@ -174,26 +172,18 @@ def continue_equilibria(
         if not curve.interrupted and has_doubtful_counts(problem, curve):
             problem.drop_stability(DOUBTED)
             curve = follow_branch(problem)
+    entered = 0
     if switch is not None and not curve.interrupted:
+        entered = switch
         problem, special = _prepare_switch(problem, curve, select_special(curve.special, switch))
         scaled = problem.scale(min(low, high)), problem.scale(max(low, high))
         curve = switch_branch(problem, special, scaled, steps, on_point)
-        branch = replace(branch, number=switch)
 
     def whole_dataset() -> xarray.Dataset:
-        found = dataset(replace(branch, problem=problem, curve=curve))
+        found = dataset(scene, key, problem, curve, entered)
         return found if resume is None else extend(resume, at, found)
 
-    found = make_dataset(curve, whole_dataset)
-    if not check_mesh:
-        return found
-
-    def follow_finer() -> xarray.Dataset:
-        given: dict[str, Any] = {"start": start, "switch": switch, "imperfection": imperfection}
-        given |= {"motion": motion, "step": step, "most": most, "t": t}
-        return continue_equilibria(beside, key, bounds, **given)
-
-    return add_mesh_doubts(found, scene.rod.links, follow_finer)
+    return make_dataset(curve, whole_dataset)
 
 
 def _make_problem(
@@ -255,11 +245,3 @@ def _resume_point(problem: Equilibria, before: SavedPoint) -> CurvePoint:
         for (y, force), value in zip(before.states, before.values, strict=True)
     )
     return resume_point(problem, here, others[0] if others else None, "equilibrium")
-
-
-def _check_inside(name: str, value: Any, bounds: tuple[float, float]) -> float:
-    value = to_plain(value, name)
-    low, high = sorted(bounds)
-    if not (is_number(value) and low <= value <= high):
-        raise InputError(name, value, f"a number in the range, {low:g} to {high:g}")
-    return float(value)

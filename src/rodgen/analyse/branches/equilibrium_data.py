@@ -3,28 +3,24 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
-from pathlib import Path
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
 from rodgen.analyse.branches.equilibria import Equilibria
 from rodgen.analyse.branches.steady_motions import SteadyMotions
-from rodgen.analyse.curves import curve_files
 from rodgen.analyse.curves.curve import Curve, CurvePoint, SpecialPoint
 from rodgen.analyse.curves.curve_datasets import (
     SPECIAL_ROWS,
-    attributes,
+    UNKNOWN,
+    CurveFormat,
     lengths,
     point_number,
-    resume_numbers,
     scene_of,
-    special_variables,
 )
-from rodgen.analyse.steady_state import SteadyState
 from rodgen.arrays import Array
-from rodgen.dataset_result import POINT, PREFIX, SPECIAL, dataset_variables
+from rodgen.dataset_result import POINT, PREFIX, SPECIAL
 from rodgen.result import Row, doubt
 from rodgen.scene import Scene
 from rodgen.system import System
@@ -32,80 +28,61 @@ from rodgen.system import System
 if TYPE_CHECKING:
     import xarray
 
-FORMAT = "rodgen branch 1"
-UNKNOWN = -1  # unstable directions, where they were not looked at
 DIMS = {"phi": ("link",), "tip": ("axis",), "y": ("state",), "force": ("cell", "axis")}
-ROWS = (
-    Row("value", "{key}", along=POINT),
-    Row("unstable", "unstable directions", along=POINT, unknown=UNKNOWN),
-    Row("tip", "place of the tail", "m", along=POINT),
-    Row("phi", "angles of the links", "rad", along=POINT),
-    Row("turning", "rate of turning", "rad/s", along=POINT),
-    Row("y", "state", along=POINT),
-    Row("force", "joint forces over the mass", "m/s2", along=POINT),
-    Row("length", "length along the branch", along=POINT),
-    Row("end", "ends"),
-    *SPECIAL_ROWS,
-    Row("special_value", "{key}", along=SPECIAL),
-    Row("special_frequency", "frequency", "Hz", along=SPECIAL),
-    Row("special_tip", "place of the tail", "m", along=SPECIAL),
-    Row("special_phi", "angles of the links", "rad", along=SPECIAL),
-    Row("special_note", "note", along=SPECIAL),
+FORMAT = CurveFormat(
+    "rodgen branch 1",
+    "a branch",
+    (
+        Row("value", "{key}", along=POINT),
+        Row("unstable", "unstable directions", along=POINT, unknown=UNKNOWN),
+        Row("tip", "place of the tail", "m", along=POINT),
+        Row("phi", "angles of the links", "rad", along=POINT),
+        Row("turning", "rate of turning", "rad/s", along=POINT),
+        Row("y", "state", along=POINT),
+        Row("force", "joint forces over the mass", "m/s2", along=POINT),
+        Row("length", "length along the branch", along=POINT),
+        Row("end", "ends"),
+        *SPECIAL_ROWS,
+        Row("special_value", "{key}", along=SPECIAL),
+        Row("special_frequency", "frequency", "Hz", along=SPECIAL),
+        Row("special_tip", "place of the tail", "m", along=SPECIAL),
+        Row("special_phi", "angles of the links", "rad", along=SPECIAL),
+        Row("special_note", "note", along=SPECIAL),
+    ),
+    DIMS | {f"{PREFIX}{name}": over for name, over in DIMS.items()},
+    {"axis": ["x", "y"]},
 )
 
 
-@dataclass(frozen=True)
-class EquilibriumBranch:
-    """A curve of steady states of a scene; number: of the branch point it was entered by, or 0."""
-
-    scene: Scene
-    key: str
-    problem: Equilibria
-    curve: Curve
-    number: int = 0
-
-    def state(self, point: CurvePoint | SpecialPoint) -> SteadyState:
-        """The steady state at a point."""
-        return self.problem.steady_state(point.u)
-
-
-def dataset(branch: EquilibriumBranch) -> xarray.Dataset:
-    """Make the Dataset of a branch."""
-    import xarray  # only where it is needed: it takes long to import
-
-    points, special = branch.curve.points, branch.curve.special
-    unstable = [UNKNOWN if p.unstable is None else p.unstable for p in points]
-    values: dict[str, Any] = _state_variables(branch, points)
-    values["unstable"] = np.array(unstable, dtype=np.int32)
-    values["length"] = lengths(branch.problem, branch.curve)
+def dataset(
+    scene: Scene, key: str, problem: Equilibria, curve: Curve, number: int
+) -> xarray.Dataset:
+    """Make the Dataset of a branch of a scene; number: of the branch point it was entered by, or
+    0."""
+    special, base = curve.special, problem.along.base
+    values: dict[str, Any] = _state_variables(problem, curve.points)
+    values["length"] = lengths(problem, curve)
     values |= {
-        f"{PREFIX}{name}": value for name, value in _state_variables(branch, special).items()
+        f"{PREFIX}{name}": value for name, value in _state_variables(problem, special).items()
     }
-    values |= special_variables(special)
-    values["special_frequency"] = np.array([one.frequency for one in special])
     values["special_note"] = np.array([one.note for one in special], dtype="U200")
-    notes = [*branch.curve.notes]
-    if branch.problem.why_unknown:
-        notes.append(doubt(f"stability is not known everywhere: {branch.problem.why_unknown}"))
-    t = branch.problem.along.base.t
-    said = attributes(FORMAT, branch.scene, replace(branch.curve, notes=notes), t)
-    moving = isinstance(branch.problem, SteadyMotions)
+    notes = [*curve.notes]
+    if problem.why_unknown:
+        notes.append(doubt(f"stability is not known everywhere: {problem.why_unknown}"))
+    moving = isinstance(problem, SteadyMotions)
     if moving:
-        rates = [branch.problem.steady_state(point.u).y for point in points]
-        base, half = branch.problem.along.base.n_base, len(rates[0]) // 2
-        turning = [float(y[half + base]) for y in rates]
-        values["turning"] = np.array(turning)
-    said |= {"key": branch.key, "switch": branch.number, "moving": int(moving)}
-    dims = DIMS | {f"{PREFIX}{name}": over for name, over in DIMS.items()}
-    data = dataset_variables(ROWS, values, dims, key=branch.key)
-    return xarray.Dataset(data, {"axis": ["x", "y"]}, said)
+        rates = [problem.steady_state(point.u).y for point in curve.points]
+        at = len(rates[0]) // 2 + base.n_base
+        values["turning"] = np.array([float(y[at]) for y in rates])
+    said = {"key": key, "switch": number, "moving": int(moving)}
+    return FORMAT.dataset(scene, replace(curve, notes=notes), base.t, values, said, key=key)
 
 
 def _state_variables(
-    branch: EquilibriumBranch, points: Sequence[CurvePoint | SpecialPoint]
+    problem: Equilibria, points: Sequence[CurvePoint | SpecialPoint]
 ) -> dict[str, Array]:
     """Variables of the steady states at points, by name."""
-    problem, base = branch.problem, branch.problem.along.base
+    base = problem.along.base
     n, cells = base.scene.rod.links, base.n_moving
     shapes = {"value": (), "phi": (n,), "tip": (2,), "y": (len(base.scene.initial_state()),)}
     made = {name: np.zeros((len(points), *shape)) for name, shape in shapes.items()}
@@ -134,7 +111,7 @@ class SavedPoint(NamedTuple):
 def read_point(data: xarray.Dataset, scene: Scene, key: str, at: int) -> SavedPoint:
     """Read a point of a saved branch and its neighbour. Raises InputError for a branch of another
     scene or key, and for a point that it does not have."""
-    rows = resume_numbers(data, FORMAT, scene, {"key": key}, at)
+    rows = FORMAT.resume_numbers(data, scene, {"key": key}, at)
     states = [(data["y"].values[row], data["force"].values[row]) for row in rows]
     return SavedPoint(
         [float(data["value"][row]) for row in rows], states, bool(data.attrs["moving"])
@@ -151,8 +128,3 @@ def scene_at(data: xarray.Dataset, at: int) -> Scene:
     ):
         return system.scene
     return system.at(y0=data["y"].values[number]).scene
-
-
-def read(path: Path) -> xarray.Dataset:
-    """Read a branch from a file. Raises InputError for any other file."""
-    return curve_files.read(path, "file", "a branch", FORMAT)

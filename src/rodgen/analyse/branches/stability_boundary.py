@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -18,22 +17,14 @@ from rodgen.analyse.branches.stability_region import (
     eigenvalues_at,
 )
 from rodgen.analyse.critical import Critical, critical_load
-from rodgen.analyse.curves import curve_files
 from rodgen.analyse.curves.continuation import StepControl
 from rodgen.analyse.curves.curve import Curve
-from rodgen.analyse.curves.curve_datasets import (
-    SPECIAL_ROWS,
-    attributes,
-    extend,
-    make_dataset,
-    resume_numbers,
-    special_variables,
-)
+from rodgen.analyse.curves.curve_datasets import SPECIAL_ROWS, CurveFormat, extend, make_dataset
 from rodgen.analyse.memory_needs import BOUNDARY, check_analysis_memory
 from rodgen.analyse.modal import DIVERGENCE, FLUTTER
 from rodgen.analyse.ranges import check_bounds
 from rodgen.arrays import Array
-from rodgen.dataset_result import POINT, SPECIAL, dataset_variables
+from rodgen.dataset_result import POINT, SPECIAL
 from rodgen.errors import AnalysisError, InputError
 from rodgen.model.terms import TERMS
 from rodgen.result import Row
@@ -53,18 +44,21 @@ NARROWEST = 1e-6  # of a range, of its ends
 OUTSIDE = 1e-9  # of a coordinate, by which a point may lie outside its range
 SAME = 1e-12  # of matrices: a change that is rounding
 GRID, NARROW = 200, 1e-9  # values along a number; width to which a change is narrowed
-FORMAT = "rodgen boundary 1"
-ROWS = (
-    Row("a", "{a}", along=POINT),
-    Row("b", "{b}", along=POINT),
-    Row("frequency", "frequency", "Hz", along=POINT),
-    Row("length", "length along the boundary", along=POINT),
-    Row("kind", "begins there"),
-    Row("end", "ends"),
-    *SPECIAL_ROWS,
-    Row("special_a", "{a}", along=SPECIAL),
-    Row("special_b", "{b}", along=SPECIAL),
-    Row("special_frequency", "frequency", "Hz", along=SPECIAL),
+FORMAT = CurveFormat(
+    "rodgen boundary 1",
+    "a boundary",
+    (
+        Row("a", "{a}", along=POINT),
+        Row("b", "{b}", along=POINT),
+        Row("frequency", "frequency", "Hz", along=POINT),
+        Row("length", "length along the boundary", along=POINT),
+        Row("kind", "begins there"),
+        Row("end", "ends"),
+        *SPECIAL_ROWS,
+        Row("special_a", "{a}", along=SPECIAL),
+        Row("special_b", "{b}", along=SPECIAL),
+        Row("special_frequency", "frequency", "Hz", along=SPECIAL),
+    ),
 )
 
 
@@ -225,7 +219,7 @@ def _read_points(
     data: xarray.Dataset, scene: Scene, keys: tuple[str, str], at: int
 ) -> list[tuple[float, float, float]]:
     """Read both numbers and the frequency [Hz] of a saved point, and of its neighbour, if any."""
-    numbers = resume_numbers(data, FORMAT, scene, dict(zip(("a", "b"), keys, strict=True)), at)
+    numbers = FORMAT.resume_numbers(data, scene, dict(zip("ab", keys, strict=True)), at)
     a, b, frequency = (data[name].values.tolist() for name in ("a", "b", "frequency"))
     return [(a[row], b[row], frequency[row]) for row in numbers]
 
@@ -352,21 +346,14 @@ def _start_value(scene: Scene, key: str, given: Ends | None) -> float:
     return own if low <= own <= high else float((low + high) / 2)
 
 
-def read(path: Path) -> xarray.Dataset:
-    """Read a boundary from a file. Raises InputError for any other file."""
-    return curve_files.read(path, "file", "a boundary", FORMAT)
-
-
 def _dataset(
     scene: Scene, boundary: BoundaryProblem, curve: Curve, flipped: bool, t: float
 ) -> xarray.Dataset:
-    import xarray
-
     rows = np.array([point.u for point in curve.points])
     special = np.array([one.u for one in curve.special]).reshape(-1, 4)
-    keys = boundary.plane.keys
     a, b = (1, 0) if flipped else (0, 1)
-    names = keys[a], keys[b]
+    keys = boundary.plane.keys
+    names = {"a": keys[a], "b": keys[b]}
     values = {
         "a": rows[:, a],
         "b": rows[:, b],
@@ -374,13 +361,9 @@ def _dataset(
         "length": np.cumsum([0.0, *np.abs(np.diff(rows[:, 3]))]),
         "special_a": special[:, a],
         "special_b": special[:, b],
-        "special_frequency": special[:, 2],
-        **special_variables(curve.special),
     }
-    said = attributes(FORMAT, scene, curve, t) | {
-        "a": names[0],
-        "b": names[1],
+    said = names | {
         "kind": FLUTTER if boundary.omega else DIVERGENCE,
         "damped": int(boundary.damped),
     }
-    return xarray.Dataset(dataset_variables(ROWS, values, {}, a=names[0], b=names[1]), attrs=said)
+    return FORMAT.dataset(scene, curve, t, values, said, **names)

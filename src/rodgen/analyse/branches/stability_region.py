@@ -52,12 +52,12 @@ class OutlineTracer:
     def trace(self, boundary: BoundaryProblem, omega: float, a: float, b: float) -> Curve:
         """Follow the outline to both sides of a point."""
         u = boundary.pack(omega or 1.0, a, b)
-        boundary.update_border(u)
+        boundary.adapt_to(u)
         row = np.append(np.zeros(len(u) - 1), 1.0)
         found = correct(boundary, u, row)
 
         def follow(way: float) -> Curve:
-            boundary.update_border(found.u)
+            boundary.adapt_to(found.u)
             return self._trace_on(boundary, point_at(boundary, found, way * row))
 
         return follow_both_ways(follow)
@@ -65,7 +65,7 @@ class OutlineTracer:
     def resume(self, boundary: BoundaryProblem, points: list[Array]) -> Curve:
         """Resume the outline from the first of these points, away from the second."""
         here, *others = points
-        boundary.update_border(here)
+        boundary.adapt_to(here)
         other = others[0] if others else None
         return self._trace_on(
             boundary, resume_point(boundary, here, other, "point of the boundary")
@@ -105,7 +105,6 @@ class OutlineTracer:
         before, count = first.u, 0
 
         def on_point(point: CurvePoint) -> None:
-            boundary.update_border(point.u)
             self.watch(boundary.values(point.u))
 
         def stop_reason(curve: Curve) -> str:
@@ -147,7 +146,7 @@ class OutlineTracer:
         while len(side.points) > 1 and has_other_growth(boundary, side.points[-1].u):
             beyond = side.points.pop()
         here = side.points[-1]
-        boundary.update_border(here.u)
+        boundary.adapt_to(here.u)
         try:
             corner = locate(boundary, here, beyond, lambda point: _margin(boundary, point.u))
         except AnalysisError:
@@ -171,7 +170,7 @@ class OutlineTracer:
         u = other.pack((omega or 1.0) * (np.exp(SLOW + 1) if slow else 1.0), a, b)
         if slow:
             u[0] = SLOW + 1
-        other.update_border(u)
+        other.adapt_to(u)
         last = _unit_row(len(u), 0 if slow else -1)
         try:
             found = correct(other, u, last)
@@ -186,7 +185,7 @@ class OutlineTracer:
             free = [way for way in ways if not has_other_growth(other, found.u + ASIDE * way)]
         if len(free) != 1:
             raise AnalysisError("which way the boundary goes on cannot be told")
-        other.update_border(found.u)
+        other.adapt_to(found.u)
         return other, point_at(other, found, other.weights * free[0])
 
 
@@ -277,7 +276,7 @@ def _find_cusp(boundary: BoundaryProblem, a: CurvePoint, b: CurvePoint) -> Array
     if not (boundary.omega and before @ after < 0 and moved):
         return None
     way = (after - before) / np.linalg.norm(after - before)
-    boundary.update_border(a.u)
+    boundary.adapt_to(a.u)
     try:
         here = locate(boundary, a, b, lambda point: float(point.tangent[-2:] @ way))
     except AnalysisError:

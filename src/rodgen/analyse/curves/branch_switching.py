@@ -13,20 +13,18 @@ from rodgen.analyse.curves.curve import (
     SpecialPoint,
     follow_both_ways,
 )
+from rodgen.analyse.ranges import check_whole_number
 from rodgen.errors import InputError
-from rodgen.scene.plain_tables import to_plain
 
 
 def select_special(
     found: Sequence[SpecialPoint], switch: object, kinds: Collection[str] = (BRANCH,)
 ) -> SpecialPoint:
     """Select a special point of these kinds by its number, from 1. Raises InputError."""
-    number = to_plain(switch, "switch")
     count = len(found)
-    if not isinstance(number, int) or isinstance(number, bool) or not 1 <= number <= count:
-        what = f"the number of a special point of the branch, 1 to {count}"
-        raise InputError("switch", switch, what if count else "absent: no special point was found")
-    special = found[number - 1]
+    what = f"the number of a special point of the branch, 1 to {count}"
+    what = what if count else "absent: no special point was found"
+    special = found[check_whole_number(switch, "switch", 1, count, what) - 1]
     if special.kind not in kinds:
         names = ", ".join(f"{at}: {one.kind}" for at, one in enumerate(found, 1))
         raise InputError("switch", switch, f"a {' or '.join(kinds)} point (there are {names})")
@@ -45,7 +43,7 @@ def switch_branch(
     other = special.ways[1]
 
     def follow(way: float) -> Curve:
-        start = CurvePoint(special.u, way * other, None, 0, {})
+        start = CurvePoint(special.u, way * other, None, 0)
         return continue_curve(problem, start, *bounds, steps, watch=watch)
 
     curve = follow_both_ways(follow)

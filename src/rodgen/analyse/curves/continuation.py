@@ -24,11 +24,11 @@ from rodgen.analyse.curves.curve import (
 )
 from rodgen.analyse.curves.journal import Step, current_journal
 from rodgen.analyse.curves.special_points import find_special_points
+from rodgen.analyse.ranges import check_positive, check_whole_number
 from rodgen.arrays import Array
 from rodgen.errors import AnalysisError, InputError
 from rodgen.progress import report_stage
 from rodgen.result import Note, doubt
-from rodgen.scene.plain_tables import is_number, to_plain
 
 QUICK = 4  # iterations after which the next step is longer
 STRAIGHT, TURNED = 0.98, 0.9  # cosine between two tangents: for a longer step, at least
@@ -54,11 +54,8 @@ class StepControl:
     def of(cls, step: float, most: int, parts: int, least: float = 1e-9) -> StepControl:
         """Check the longest step and the largest number of points that a user gives. The first step
         is the longest over `parts`. Raises InputError."""
-        step, most = to_plain(step, "step"), to_plain(most, "most")
-        if not (is_number(step) and 0 < step <= 1):
-            raise InputError("step", step, "a number above 0 and at most 1")
-        if not isinstance(most, int) or isinstance(most, bool) or most < 2:
-            raise InputError("most", most, "a whole number of at least 2")
+        step = check_positive(step, "step", "a number above 0 and at most 1", 1.0)
+        most = check_whole_number(most, "most", 2)
         return cls(first=step / parts, least=least, longest=step, most=most)
 
 
@@ -100,19 +97,18 @@ def continue_curve(
     low: float,
     high: float,
     steps: StepControl | None = None,
-    first: float | None = None,
     watch: Callable[[CurvePoint], None] = lambda point: None,
     until: Callable[[Curve], str] = lambda curve: "",
 ) -> Curve:
     """Follow a curve from a point along its tangent, while the parameter is within low and high.
 
-    first: the first step, if not that of steps; watch: called with every point; until: returns why
-    the curve so far is complete, or nothing. A step is taken if the correction is short, the
+    watch: called with every point; until: returns why the curve so far is complete, or nothing.
+    A step is taken if the correction is short, the
     tangent turns little and the number of unstable directions changes as the special points on the
     way explain. Otherwise it is halved, so that the curve does not jump to another branch. ``end``
     says why the curve stops. What was found is kept, also on Ctrl-C.
     """
-    return _Follower(problem, steps or StepControl(), low, high, watch, until).follow(start, first)
+    return _Follower(problem, steps or StepControl(), low, high, watch, until).follow(start)
 
 
 class _Follower:
@@ -129,11 +125,11 @@ class _Follower:
         self.watch, self.until = watch, until
         self.curve, self.why, self.before = Curve(), "", 0
 
-    def follow(self, start: CurvePoint, first: float | None) -> Curve:
+    def follow(self, start: CurvePoint) -> Curve:
         curve = self.curve
         curve.points.append(start)
         try:
-            self._take_steps(start, first)
+            self._take_steps(start)
         except KeyboardInterrupt:
             curve.end, curve.interrupted = "it was interrupted", True
         except (*BROKEN, InputError) as error:
@@ -142,10 +138,10 @@ class _Follower:
             curve.end += f" at {self.problem.value(curve.points[-1].u):.9g}"
         return curve
 
-    def _take_steps(self, start: CurvePoint, first: float | None) -> None:
+    def _take_steps(self, start: CurvePoint) -> None:
         steps, curve = self.steps, self.curve
-        self.watch(start)
-        h, journal = min(first or steps.first, steps.longest), current_journal()
+        self._visit(start)
+        h, journal = min(steps.first, steps.longest), current_journal()
         if journal is not None:
             journal.begin(self.problem, start)
         while not curve.end:
@@ -166,8 +162,12 @@ class _Follower:
             curve.notes += step.notes
             curve.points.append(step.point)
             report_stage(f"{len(curve.points)} points")
-            self.watch(step.point)
+            self._visit(step.point)
             self._check_end(step.point, h)
+
+    def _visit(self, point: CurvePoint) -> None:
+        self.problem.adapt_to(point.u)
+        self.watch(point)
 
     def _advance(self, here: CurvePoint, h: float) -> Step | None:
         """Take a step of length h or a shorter one; None if the least one fails."""

@@ -4,7 +4,7 @@ and Newton's method back to the curve."""
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from typing import NamedTuple
 
@@ -44,14 +44,14 @@ class ContinuationProblem(ABC):
         """Number of unstable directions at u; None where it is not known."""
         return None
 
-    def test_functions(self, u: Array) -> Mapping[str, float]:
-        """Test functions, smooth and zero at special points of a kind, by the name of that kind."""
-        return {}
-
     def crossings(self, before: CurvePoint, after: CurvePoint) -> list[SpecialPoint]:
-        """Special points that have no test function, such as Hopf points, between two points with
-        different numbers of unstable directions."""
+        """Special points beside folds and branch points, such as Hopf points, between two points
+        with different numbers of unstable directions."""
         return []
+
+    def adapt_to(self, u: Array) -> None:  # noqa: B027  # most problems have nothing to adapt
+        """Adapt auxiliary equations, such as of a phase, to a point u from which the curve goes
+        on."""
 
     def length(self, change: Array) -> float:
         """Weighted norm of a change of u."""
@@ -59,14 +59,13 @@ class ContinuationProblem(ABC):
 
 
 class CurvePoint(NamedTuple):
-    """A point of a curve: u, its unit tangent, the number of unstable directions, the sign of the
-    determinant of the Jacobian bordered by the tangent, and the values of the test functions."""
+    """A point of a curve: u, its unit tangent, the number of unstable directions, and the sign of
+    the determinant of the Jacobian bordered by the tangent."""
 
     u: Array
     tangent: Array
     unstable: int | None
     sign: int
-    measures: Mapping[str, float]
 
     @property
     def value(self) -> float:
@@ -176,6 +175,4 @@ def tangent_at(problem: ContinuationProblem, J: Matrix, like: Array) -> tuple[Ar
 def point_at(problem: ContinuationProblem, found: Correction, like: Array) -> CurvePoint:
     """Complete a corrected point by its tangent, on the side of another one, and its stability."""
     t, sign = tangent_at(problem, found.J, like)
-    return CurvePoint(
-        found.u, t, problem.count_unstable(found.u), sign, problem.test_functions(found.u)
-    )
+    return CurvePoint(found.u, t, problem.count_unstable(found.u), sign)

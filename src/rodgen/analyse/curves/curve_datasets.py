@@ -4,24 +4,27 @@ extension of saved curves."""
 from __future__ import annotations
 
 import json
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
 from importlib.metadata import version
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
 
-from rodgen.analyse.curves.curve import ContinuationProblem, Curve, SpecialPoint
+from rodgen.analyse.curves.curve import ContinuationProblem, Curve
+from rodgen.analyse.curves.curve_files import read
+from rodgen.analyse.ranges import check_whole_number
 from rodgen.arrays import Array
-from rodgen.dataset_result import SPECIAL, register_accessor
+from rodgen.dataset_result import SPECIAL, dataset_variables, register_accessor
 from rodgen.errors import BranchInterrupted, InputError
 from rodgen.result import NOTES, Row, notes_as_text, notes_from
 from rodgen.scene import Scene
-from rodgen.scene.plain_tables import to_plain
 
 if TYPE_CHECKING:
     import xarray
 
+UNKNOWN = -1  # unstable directions, where they were not looked at
 SPECIAL_ROWS = (
     Row("special_kind", "kind", along=SPECIAL),
     Row("special_after", "number of the point that it comes after", along=SPECIAL),
@@ -34,25 +37,78 @@ def lengths(problem: ContinuationProblem, curve: Curve) -> Array:
     return np.cumsum([0.0, *(problem.length(step) for step in np.diff(u, axis=0))])
 
 
-def special_variables(special: Sequence[SpecialPoint]) -> dict[str, NDArray[Any]]:
-    """Return the variables of SPECIAL_ROWS for special points."""
-    return {
-        "special_kind": np.array([one.kind for one in special], dtype="U16"),
-        "special_after": np.array([one.after for one in special], dtype=np.int32),
-    }
+@dataclass(frozen=True)
+class CurveFormat:
+    """Format of the Datasets and files of a kind of curve. name: the attribute `format`; kind: of
+    curve, in words; rows: its quantities; dims: further dimensions of these, after the one along
+    the curve; labels: texts along dimensions; argument: name of the one that takes its file."""
 
+    name: str
+    kind: str
+    rows: tuple[Row, ...]
+    dims: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
+    labels: Mapping[str, list[str]] = field(default_factory=dict)
+    argument: str = "file"
 
-def attributes(form: str, scene: Scene, curve: Curve, t: float) -> dict[str, Any]:
-    """Attributes of the Dataset of any curve. form: its format; t: time of the loads [s]"""
-    return {
-        "format": form,
-        "rodgen": version("rodgen"),
-        "scene": json.dumps(scene.to_dict()),
-        "t": t,
-        "end": curve.end,
-        "complete": int(curve.complete),
-        NOTES: notes_as_text(curve.notes),
-    }
+    def dataset(
+        self,
+        scene: Scene,
+        curve: Curve,
+        t: float,
+        values: Mapping[str, Any],
+        said: Mapping[str, Any],
+        **names: str,
+    ) -> xarray.Dataset:
+        """Make the Dataset of a curve.
+
+        t: time of the loads [s]; values: by the names of rows, beside those that the points and
+        special points of any curve have; said: further attributes; names: for the words of rows.
+        """
+        import xarray  # only where it is needed: it takes long to import
+
+        special = curve.special
+        unstable = [UNKNOWN if one.unstable is None else one.unstable for one in curve.points]
+        of_any = {
+            "unstable": np.array(unstable, dtype=np.int32),
+            "special_kind": np.array([one.kind for one in special], dtype="U16"),
+            "special_after": np.array([one.after for one in special], dtype=np.int32),
+            "special_frequency": np.array([one.frequency for one in special]),
+        }
+        attributes = {
+            "format": self.name,
+            "rodgen": version("rodgen"),
+            "scene": json.dumps(scene.to_dict()),
+            "t": t,
+            "end": curve.end,
+            "complete": int(curve.complete),
+            NOTES: notes_as_text(curve.notes),
+        }
+        data = dataset_variables(self.rows, of_any | {**values}, self.dims, **names)
+        return xarray.Dataset(data, self.labels, attributes | {**said})
+
+    def read(self, path: Path) -> xarray.Dataset:
+        """Read a curve of this kind from a file. Raises InputError for any other file."""
+        return read(path, self.argument, self.kind, self.name)
+
+    def resume_numbers(
+        self, data: xarray.Dataset, scene: Scene, keys: Mapping[str, str], at: int
+    ) -> list[int]:
+        """Check that a saved curve can be resumed at a point; return the numbers of this point and
+        of its neighbour, away from which the curve goes on: the point before it, or, for the first
+        point, the one after. scene, keys (by attribute): what the curve must have. Raises
+        InputError."""
+        if data.attrs.get("format") != self.name:
+            raise InputError(
+                "resume", data.attrs.get("format"), f"a file of the format {self.name!r}"
+            )
+        for attribute, key in keys.items():
+            if data.attrs[attribute] != key:
+                raise InputError("resume", data.attrs[attribute], f"a file along {key}")
+        other = scene_of(data)
+        if other.rod != scene.rod or other.structure != scene.structure:
+            raise InputError("resume", other.name, "a file of this scene")
+        number, last = point_number(data, at), data.sizes["point"] - 1
+        return [number, number - 1 if number else 1] if last else [number]
 
 
 def scene_of(data: xarray.Dataset) -> Scene:
@@ -63,28 +119,9 @@ def scene_of(data: xarray.Dataset) -> Scene:
 def point_number(data: xarray.Dataset, at: object) -> int:
     """Check the number of a point and count it from the start. Raises InputError if there is
     none."""
-    count, number = data.sizes["point"], to_plain(at, "at")
-    if not isinstance(number, int) or isinstance(number, bool) or not -count <= number < count:
-        raise InputError("at", at, f"the number of a point, 0 to {count - 1}")
-    return number % count
-
-
-def resume_numbers(
-    data: xarray.Dataset, form: str, scene: Scene, keys: Mapping[str, str], at: int
-) -> list[int]:
-    """Check that a saved curve can be resumed at a point; return the numbers of this point and of
-    its neighbour, away from which the curve goes on: the point before it, or, for the first point,
-    the one after. form, scene, keys (by attribute): what the curve must have. Raises InputError."""
-    if data.attrs.get("format") != form:
-        raise InputError("resume", data.attrs.get("format"), f"a file of the format {form!r}")
-    for attribute, key in keys.items():
-        if data.attrs[attribute] != key:
-            raise InputError("resume", data.attrs[attribute], f"a file along {key}")
-    other = scene_of(data)
-    if other.rod != scene.rod or other.structure != scene.structure:
-        raise InputError("resume", other.name, "a file of this scene")
-    number, last = point_number(data, at), data.sizes["point"] - 1
-    return [number, number - 1 if number else 1] if last else [number]
+    count = data.sizes["point"]
+    allowed = f"the number of a point, 0 to {count - 1}"
+    return check_whole_number(at, "at", -count, count - 1, allowed) % count
 
 
 def make_dataset(curve: Curve, dataset: Callable[[], xarray.Dataset]) -> xarray.Dataset:

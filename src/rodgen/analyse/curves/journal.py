@@ -210,7 +210,7 @@ def _encode_point(point: CurvePoint) -> dict[str, Any]:
     made = point._asdict() | {"u": _encode_array(point.u), "tangent": _encode_array(point.tangent)}
     made["unstable"] = None if point.unstable is None else int(point.unstable)
     made["sign"] = int(point.sign)
-    return made | {"measures": {name: float(value) for name, value in point.measures.items()}}
+    return made
 
 
 def _decode_point(words: dict[str, Any]) -> CurvePoint:

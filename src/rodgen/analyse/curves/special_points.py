@@ -1,5 +1,5 @@
-"""Special points of a curve between two of its points: folds, simple branch points, and zeros of
-the problem's test functions."""
+"""Special points of a curve between two of its points: folds, simple branch points, and those that
+the problem itself finds."""
 
 from __future__ import annotations
 
@@ -43,14 +43,6 @@ def find_special_points(
     if a.sign and a.tangent[-1] * b.tangent[-1] < 0:
         fold = locate(problem, a, b, lambda point: float(point.tangent[-1]))
         found.append(SpecialPoint(FOLD, fold.u))
-    for kind, value in a.measures.items():
-        if value * b.measures.get(kind, value) < 0:
-
-            def test_function(point: CurvePoint, kind: str = kind) -> float:
-                return point.measures[kind]
-
-            here = locate(problem, a, b, test_function)
-            found.append(SpecialPoint(kind, here.u))
     if a.unstable is not None and b.unstable is not None and a.unstable != b.unstable:
         found += problem.crossings(a, b)
     row = problem.weights * a.tangent

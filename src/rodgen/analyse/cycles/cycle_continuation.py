@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -19,7 +19,6 @@ from rodgen.analyse.curves.continuation import (
 from rodgen.analyse.curves.curve import (
     Curve,
     CurvePoint,
-    SpecialPoint,
     correct,
     follow_both_ways,
     point_at,
@@ -32,15 +31,15 @@ from rodgen.analyse.cycles.cycle_result import Cycle
 from rodgen.analyse.cycles.cycle_search import CycleSearch, check_segments
 from rodgen.analyse.cycles.cycle_switching import switch_cycles
 from rodgen.analyse.cycles.flow import Flow
-from rodgen.analyse.cycles.hopf_points import Found, first_hopf, read_hopf
+from rodgen.analyse.cycles.hopf import HopfPoint
+from rodgen.analyse.cycles.hopf_points import first_hopf, read_hopf
 from rodgen.analyse.cycles.periodicity import Orbit
-from rodgen.analyse.cycles.shooting import SEGMENTS, segment_states
+from rodgen.analyse.cycles.shooting import SEGMENTS
+from rodgen.analyse.cycles.symmetry import SymmetryReduction
 from rodgen.analyse.memory_needs import CYCLE, check_analysis_memory
-from rodgen.analyse.ranges import check_bounds
-from rodgen.arrays import Array
+from rodgen.analyse.ranges import check_bounds, check_inside
 from rodgen.errors import InputError, check_type
 from rodgen.scene import Scene
-from rodgen.scene.plain_tables import is_number
 from rodgen.system import ParameterRange, System
 
 if TYPE_CHECKING:
@@ -141,163 +140,112 @@ def continue_cycles(
     if check_mesh:
         if resume is not None or not isinstance(start, str):
             raise InputError("check_mesh", True, "absent beside resume, and a start that is given")
-        beside = double_links(scene, key)
+        given: dict[str, Any] = {"start": start, "switch": switch, "segments": segments}
+        given |= {"step": step, "most": most, "target": target}
+        finer = double_links(scene, key)
+        found = continue_cycles(system, key, bounds, **given, watch=watch)
+        return add_mesh_doubts(
+            found, scene.rod.links, lambda: continue_cycles(finer, key, bounds, **given)
+        )
     bounds = check_bounds(bounds)
     count = check_segments(segments)
     steps = StepControl.of(step, most, 10, LEAST)
     search = CycleSearch.of(system, target)
     along = ParameterRange(search.system, key, bounds)
+    tracer = CycleTracer(search, along, count, steps, watch)
     if resume is not None:
-        cycles = read_cycles(resume, scene, key, at)
-        branch = _resume(search, along, cycles, count, steps, watch)
+        branch = tracer.resume(read_cycles(resume, scene, key, at))
         if switch is None:
             return make_dataset(branch.curve, lambda: extend(resume, at, dataset(branch)))
     elif isinstance(start, str) and start == HOPF:
-        branch = _follow_from_hopf(search, along, first_hopf(search, along), count, steps, watch)
+        branch = tracer.trace_from_hopf(*first_hopf(search, along))
     elif isinstance(start, xarray.Dataset):
-        branch = _follow_from_hopf(
-            search, along, read_hopf(search, along, start, at), count, steps, watch
-        )
+        branch = tracer.trace_from_hopf(*read_hopf(search, along, start, at))
     elif isinstance(start, str) and start != RUN:
         raise InputError("start", start, f"{HOPF!r}, {RUN!r}, a cycle, or a branch")
     else:
         if not isinstance(start, str):
             check_type("start", start, Cycle, see="find_cycle")
-        value = _start_value(scene if isinstance(start, str) else start.scene, key, bounds)
+        own = (scene if isinstance(start, str) else start.scene).value_of(key)
+        value = check_inside(own, key, bounds, ", to begin there")
         cycle = search.find_by_run() if isinstance(start, str) else start
-        branch = _follow_from_cycle(search, along, cycle, value, count, steps, watch)
+        branch = tracer.trace_from_cycle(cycle, value)
     if switch is not None and not branch.curve.interrupted:
-        branch = _switch(branch, switch, steps, watch)
-    found = make_dataset(branch.curve, lambda: dataset(branch))
-    if not check_mesh:
-        return found
-
-    def follow_finer() -> xarray.Dataset:
-        given: dict[str, Any] = {"start": start, "switch": switch, "segments": segments}
-        given |= {"step": step, "most": most, "target": target}
-        return continue_cycles(beside, key, bounds, **given)
-
-    return add_mesh_doubts(found, scene.rod.links, follow_finer)
+        branch = tracer.switch(branch, switch)
+    return make_dataset(branch.curve, lambda: dataset(branch))
 
 
-def _start_value(scene: Scene, key: str, bounds: tuple[float, float]) -> float:
-    """The scene's own value of a key. Raises InputError for one outside the bounds."""
-    value = scene.value_of(key)
-    if not (is_number(value) and min(bounds) <= value <= max(bounds)):
-        raise InputError(
-            key, value, f"in the range, {bounds[0]:g} to {bounds[1]:g}, to begin there"
+@dataclass(frozen=True)
+class CycleTracer:
+    """Tracer of branches of cycles along a number of a scene. segments: parts of the period; watch:
+    called with every value."""
+
+    search: CycleSearch
+    along: ParameterRange
+    segments: int
+    steps: StepControl
+    watch: Callable[[float], None]
+
+    def trace_from_hopf(self, hopf: HopfPoint, flow: Callable[[float], Flow]) -> CycleBranch:
+        """Follow the branch that begins in a Hopf point; flow: at a value."""
+        orbits = []
+        for amplitude in (SMALL, LARGER * SMALL):
+            x, value, period = hopf.cycle_guess(amplitude)
+            states = flow(value).segment_states(0.0, x, period, self.segments)
+            orbits.append((Orbit(states, 0.0, period, 0.0, amplitude), value))
+        problem = CycleFamily(self.search, self.along, flow(hopf.value).quotient, *orbits[0])
+        guess, larger = (problem.pack(*one) for one in orbits)
+        way = (larger - guess) / problem.length(larger - guess)
+        found = correct(problem, guess, problem.weights * way)
+        return CycleBranch(problem, self._trace(problem, point_at(problem, found, way)), hopf)
+
+    def trace_from_cycle(self, cycle: Cycle, value: float) -> CycleBranch:
+        """Follow the branch of a cycle at a value, both ways."""
+        orbit = cycle.orbit
+        if orbit is None:
+            raise InputError("start", cycle, "a cycle of `find_cycle`")
+        flow = self.search.flow(cycle.t, cycle.y0)
+        x = flow.segment_states(orbit.t, orbit.x[0], orbit.period, self.segments)
+        orbit = replace(orbit, x=x)
+        problem = self._make_problem(flow.quotient, orbit, value)
+        u = problem.pack(orbit, value)
+
+        def follow(way: float) -> Curve:
+            problem.set_phase(problem.shooting_at(value), orbit)
+            return self._trace(problem, start_point(problem, u, way))
+
+        return CycleBranch(problem, follow_both_ways(follow))
+
+    def resume(self, cycles: list[SavedCycle]) -> CycleBranch:
+        """Resume a branch from the first of these cycles, away from the second."""
+        here = cycles[0]
+        quotient = self.search.flow(here.t, here.y0).quotient
+        orbits = []
+        for one in cycles:
+            flow = Flow(self.search.model, self.along.parameters(one.value), quotient)
+            x = flow.segment_states(one.t, one.y0[quotient.kept], one.period, self.segments)
+            orbits.append(Orbit(x, one.t, one.period, one.angle, float(np.ptp(x, axis=0).max())))
+        problem = self._make_problem(quotient, orbits[0], here.value)
+        values = [one.value for one in cycles]
+        u, *others = (problem.pack(*one) for one in zip(orbits, values, strict=True))
+        first = resume_point(problem, u, others[0] if others else None, "cycle")
+        return CycleBranch(problem, self._trace(problem, first))
+
+    def switch(self, branch: CycleBranch, number: object) -> CycleBranch:
+        """Switch to the branch at a special point of another one, as its file numbers them."""
+        return CycleBranch(
+            *switch_cycles(branch.problem, branch.special, number, self.steps, self._on_point)
         )
-    return float(value)
 
+    def _make_problem(self, quotient: SymmetryReduction, orbit: Orbit, value: float) -> CycleFamily:
+        """Set up the continuation problem about an orbit at a value."""
+        forced = self.search.period_at(self.along.at(value))
+        turns = round(orbit.period / forced) if forced else 1
+        return CycleFamily(self.search, self.along, quotient, orbit, value, turns)
 
-def _follow_from_hopf(
-    search: CycleSearch,
-    along: ParameterRange,
-    begin: Found,
-    count: int,
-    steps: StepControl,
-    watch: Callable[[float], None],
-) -> CycleBranch:
-    hopf, flow = begin
-    orbits = []
-    for amplitude in (SMALL, LARGER * SMALL):
-        x, value, period = hopf.cycle_guess(amplitude)
-        states = segment_states(flow(value), 0.0, x, period, count)
-        orbits.append((Orbit(states, 0.0, period, 0.0, amplitude), value))
-    problem = CycleFamily(search, along, flow(hopf.value).quotient, *orbits[0])
-    guess, larger = (problem.pack(*one) for one in orbits)
-    way = (larger - guess) / problem.length(larger - guess)
-    found = correct(problem, guess, problem.weights * way)
-    first = point_at(problem, found, way)
-    curve = _follow(problem, first, steps, watch)
-    return CycleBranch(search.given, along.key, problem, curve, hopf)
+    def _trace(self, problem: CycleFamily, first: CurvePoint) -> Curve:
+        low, high = sorted(end / self.along.unit for end in self.along.bounds)
+        return continue_curve(problem, first, low, high, self.steps, watch=self._on_point)
 
-
-def _follow_from_cycle(
-    search: CycleSearch,
-    along: ParameterRange,
-    cycle: Cycle,
-    value: float,
-    count: int,
-    steps: StepControl,
-    watch: Callable[[float], None],
-) -> CycleBranch:
-    orbit = cycle.orbit
-    if orbit is None:
-        raise InputError("start", cycle, "a cycle of `find_cycle`")
-    flow = search.flow(cycle.t, cycle.y0)
-    orbit = replace(orbit, x=segment_states(flow, orbit.t, orbit.x[0], orbit.period, count))
-    problem = _make_problem(search, along, cycle.y0, orbit, value)
-    u = problem.pack(orbit, value)
-
-    def follow(way: float) -> Curve:
-        problem.set_phase(orbit, value)
-        return _follow(problem, start_point(problem, u, way), steps, watch)
-
-    return CycleBranch(search.given, along.key, problem, follow_both_ways(follow))
-
-
-def _resume(
-    search: CycleSearch,
-    along: ParameterRange,
-    cycles: list[SavedCycle],
-    count: int,
-    steps: StepControl,
-    watch: Callable[[float], None],
-) -> CycleBranch:
-    """Resume a branch from the first of these cycles, away from the second."""
-    here = cycles[0]
-    quotient = search.flow(here.t, here.y0).quotient
-    orbits = []
-    for one in cycles:
-        flow = Flow(search.model, along.parameters(one.value), quotient)
-        x = segment_states(flow, one.t, one.y0[quotient.kept], one.period, count)
-        orbits.append(Orbit(x, one.t, one.period, one.angle, float(np.ptp(x, axis=0).max())))
-    problem = _make_problem(search, along, here.y0, orbits[0], here.value)
-    values = [one.value for one in cycles]
-    u, *others = (problem.pack(*one) for one in zip(orbits, values, strict=True))
-    first = resume_point(problem, u, others[0] if others else None, "cycle")
-    return CycleBranch(search.given, along.key, problem, _follow(problem, first, steps, watch))
-
-
-def _make_problem(
-    search: CycleSearch, along: ParameterRange, y0: Array, orbit: Orbit, value: float
-) -> CycleFamily:
-    """Set up the continuation problem about an orbit through a state, at a value."""
-    forced = search.period_at(along.at(value))
-    turns = round(orbit.period / forced) if forced else 1
-    quotient = search.flow(orbit.t, y0).quotient
-    return CycleFamily(search, along, quotient, orbit, value, turns)
-
-
-def _switch(
-    branch: CycleBranch, switch: object, steps: StepControl, watch: Callable[[float], None]
-) -> CycleBranch:
-    """Switch to the branch at a special point of another one, as its file numbers them."""
-    problem, curve = branch.problem, branch.curve
-    first = [SpecialPoint(HOPF, curve.points[0].u)] if branch.hopf is not None else []
-    found = [*first, *curve.special]
-    problem, curve = switch_cycles(
-        problem, found, switch, steps, lambda p: _point_callback(p, watch)
-    )
-    return CycleBranch(branch.scene, branch.key, problem, curve)
-
-
-def _follow(
-    problem: CycleFamily, first: CurvePoint, steps: StepControl, watch: Callable[[float], None]
-) -> Curve:
-    low, high = sorted(end / problem.along.unit for end in problem.along.bounds)
-    return continue_curve(problem, first, low, high, steps, watch=_point_callback(problem, watch))
-
-
-def _point_callback(
-    problem: CycleFamily, watch: Callable[[float], None]
-) -> Callable[[CurvePoint], None]:
-    """Callback for every point of a curve, which takes the phase for the next point from it."""
-
-    def on_point(point: CurvePoint) -> None:
-        value = problem.value(point.u)
-        problem.set_phase(problem.orbit(point.u), value)
-        watch(value)
-
-    return on_point
+    def _on_point(self, point: CurvePoint) -> None:
+        self.watch(point.value * self.along.unit)

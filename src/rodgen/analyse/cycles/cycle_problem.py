@@ -9,7 +9,7 @@ import numpy as np
 
 from rodgen.analyse.curves.curve import CurvePoint, SpecialPoint
 from rodgen.analyse.curves.special_points import locate
-from rodgen.analyse.cycles.cycle_result import STABLE, nontrivial
+from rodgen.analyse.cycles.cycle_result import STABLE
 from rodgen.analyse.cycles.cycle_search import CycleSearch
 from rodgen.analyse.cycles.elimination import Complex
 from rodgen.analyse.cycles.flow import Flow
@@ -30,6 +30,8 @@ PERIOD_DOUBLING, TORUS = "period doubling", "torus"
 class CycleFamily(OrbitProblem):
     """Continuation problem of cycles over a number of a scene."""
 
+    growth = STABLE
+
     def __init__(
         self,
         search: CycleSearch,
@@ -46,16 +48,13 @@ class CycleFamily(OrbitProblem):
         flow = Flow(search.model, along.parameters(value), quotient)
         self.method = flow.choose_method(orbit.t, orbit.x[0], orbit.period).method
         self.least = REST * float(np.ptp(orbit.x, axis=0).max())
-        self.set_phase(orbit, value)
-
-    def set_phase(self, orbit: Orbit, value: float) -> None:
-        """Set the phase condition by an orbit."""
-        self.set_phase_condition(self._shooting_at(value).phase_directions(orbit), orbit)
+        self.set_phase(self.shooting_at(value), orbit)
 
     def shooting(self, u: Array) -> Shooting:
-        return self._shooting_at(self.value(u))
+        return self.shooting_at(self.value(u))
 
-    def _shooting_at(self, value: float) -> Shooting:
+    def shooting_at(self, value: float) -> Shooting:
+        """Shooting method at a value of the number."""
         p = self.along.parameters(value)
         return Shooting(Flow(self.search.model, p, self.quotient, self.method), self.forced)
 
@@ -88,7 +87,7 @@ class CycleFamily(OrbitProblem):
         ends = []
         for sign in (1.0, -1.0):
             there = value + sign * step * self.along.unit
-            shooting = self._shooting_at(there)
+            shooting = self.shooting_at(there)
             made = orbit
             if self.forced:
                 made = replace(orbit, period=self.turns * self._load_period_at(there))
@@ -103,12 +102,7 @@ class CycleFamily(OrbitProblem):
 
     @property
     def trivial(self) -> int:
-        """Number of multipliers that are 1 along the whole branch."""
         return (not self.forced) + self.quotient.turns
-
-    def count_unstable(self, u: Array) -> int:
-        found = nontrivial(self.multipliers(u), self.trivial)
-        return int((np.abs(found) > 1 + STABLE).sum())
 
     def crossings(self, before: CurvePoint, after: CurvePoint) -> list[SpecialPoint]:
         """Find period doublings and tori (Neimark-Sacker points) between two points."""

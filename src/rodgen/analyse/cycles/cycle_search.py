@@ -20,11 +20,11 @@ from rodgen.analyse.cycles.periodicity import Lap, O, Orbit, OrbitSolver
 from rodgen.analyse.cycles.shooting import SEGMENTS, Shooting
 from rodgen.analyse.cycles.symmetry import SymmetryReduction
 from rodgen.analyse.cycles.transient import Return, extent, last_return, run_from
+from rodgen.analyse.ranges import check_whole_number
 from rodgen.arrays import Array
 from rodgen.errors import AnalysisError, InputError
 from rodgen.integrate.quantity_formulas import MotionSlice, loads_at_work
 from rodgen.scene import Scene
-from rodgen.scene.plain_tables import to_plain
 from rodgen.system import System
 
 COLLOCATION, SHOOTING = "collocation", "shooting"
@@ -47,10 +47,7 @@ AT_REST = 1e-9  # of a motion [rad]: none
 
 def check_segments(number: object, name: str = "segments") -> int:
     """Check a number of segments, or of multipliers. Raises InputError."""
-    made = to_plain(number, name)
-    if not (isinstance(made, int) and 1 <= made <= MOST_SEGMENTS):
-        raise InputError(name, number, f"a whole number from 1 to {MOST_SEGMENTS}")
-    return made
+    return check_whole_number(number, name, 1, MOST_SEGMENTS)
 
 
 @dataclass(frozen=True)

@@ -21,20 +21,18 @@ def switch_cycles(
     found: list[SpecialPoint],
     switch: object,
     steps: StepControl,
-    watch: Callable[[CycleFamily], Callable[[CurvePoint], None]],
+    watch: Callable[[CurvePoint], None],
 ) -> tuple[CycleFamily, Curve]:
     """Switch to the branch through a special point, by its number; returns the problem and the
-    curve. watch: gives for a problem the callback for every point. Raises InputError for a point of
-    another kind, AnalysisError."""
+    curve. watch: called with every point. Raises InputError for a point of another kind,
+    AnalysisError."""
     special = select_special(found, switch, (BRANCH, PERIOD_DOUBLING))
     low, high = sorted(end / problem.along.unit for end in problem.along.bounds)
     if special.kind == BRANCH:
-        return problem, switch_branch(problem, special, (low, high), steps, watch(problem))
+        return problem, switch_branch(problem, special, (low, high), steps, watch)
     twice, u, way = _double_period(problem, special.u)
     # Both ways along it are the same cycles, half a period apart.
-    curve = continue_curve(
-        twice, CurvePoint(u, way, None, 0, {}), low, high, steps, watch=watch(twice)
-    )
+    curve = continue_curve(twice, CurvePoint(u, way, None, 0), low, high, steps, watch=watch)
     return twice, insert_special(curve, 0, special._replace(u=u))
 
 
@@ -43,7 +41,7 @@ def _double_period(problem: CycleFamily, u: Array) -> tuple[CycleFamily, Array, 
     cycle gone round twice, and the tangent along which both rounds begin to differ."""
     orbit, made = problem.orbit_and_linearisation(u)
     value, q = problem.value(u), problem.quotient
-    mu, vectors = CondensedSystem.of(made.G).eigenpairs()
+    mu, vectors = CondensedSystem.of(made.G).eigenpairs
     v = vectors[:, int(np.abs(mu + 1).argmin())].real
     along = [v]
     for G in made.G[:-1]:

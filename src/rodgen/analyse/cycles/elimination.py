@@ -12,7 +12,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
-from typing import Any
+from functools import cached_property
 
 import numpy as np
 import scipy.linalg
@@ -75,24 +75,17 @@ class CondensedSystem:
             inner.append(after)
         return np.array([first, *inner[:0:-1]]), more
 
+    @property
     def multipliers(self) -> Complex:
         """All mu with A v = mu B v (N,), the largest first; infinite where B v = 0."""
-        return self._pencil[0]
+        return self.eigenpairs[0]
 
+    @cached_property
     def eigenpairs(self) -> tuple[Complex, Complex]:
         """Multipliers, the largest first, and eigenvectors (N, N) at the start, in columns."""
-        return self._pencil
-
-    @property
-    def _pencil(self) -> tuple[Complex, Complex]:
         mu, vectors = scipy.linalg.eig(self.A, self.B, check_finite=False)
         order = np.argsort(-np.abs(mu), kind="stable")
         return np.asarray(mu[order]), np.asarray(vectors[:, order])
-
-
-def multipliers(G: Sequence[Any]) -> Complex:
-    """Floquet multipliers (N,) of segments G (m, N, N) in the order of time, the largest first."""
-    return CondensedSystem.of([np.asarray(one) for one in G]).multipliers()
 
 
 def multiplier_difference(finer: Complex, coarser: Complex) -> float:

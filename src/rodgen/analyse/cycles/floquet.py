@@ -23,6 +23,7 @@ from rodgen.analyse.chaos.zero_exponents import zero_exponents
 from rodgen.analyse.cycles.elimination import Complex, multiplier_difference
 from rodgen.analyse.cycles.forcing import load_period
 from rodgen.analyse.memory_needs import FLOQUET, check_analysis_memory
+from rodgen.analyse.ranges import check_positive, check_whole_number
 from rodgen.analyse.statics import static_equilibrium
 from rodgen.arrays import Array
 from rodgen.display import Plottable
@@ -192,8 +193,7 @@ def floquet(
     """
     system = System.of(system)
     check_analysis_memory(FLOQUET, system)
-    if isinstance(segments, bool) or not isinstance(segments, int) or not 1 <= segments <= 1000:
-        raise InputError("segments", segments, "a whole number from 1 to 1000")
+    segments = check_whole_number(segments, "segments", 1, 1000)
     model = model if model is not None else system.model(parts=PARTS)
     seconds = _period(system, model, period)
     map_ = _PeriodMap(system, model, seconds, segments)
@@ -208,9 +208,7 @@ def floquet(
 
 def _period(system: System, model: ModuleType, given: float | None) -> float:
     if given is not None:
-        if not (isinstance(given, int | float) and math.isfinite(given) and given > 0):
-            raise InputError("period", given, "seconds above 0")
-        return float(given)
+        return check_positive(given, "period", "seconds above 0")
     try:
         found = load_period(system, model)
     except AnalysisError:

@@ -64,6 +64,14 @@ class Flow:
         """State (size,) after a span [s], from x at time t on. Raises AnalysisError."""
         return self._integrate(t, x, span, np.zeros((len(x), 0)))[0]
 
+    def segment_states(self, t: float, x: Array, period: float, segments: int) -> Array:
+        """States (segments, size) at the starts of equal segments of a period [s], from x at time t
+        on. Raises AnalysisError."""
+        states, share = [x], period / segments
+        for i in range(segments - 1):
+            states.append(self.state_after(t + i * share, states[-1], share))
+        return np.array(states)
+
     def state_and_tangents_after(
         self, t: float, x: Array, span: float, V: Array | None = None
     ) -> tuple[Array, Array]:

@@ -23,11 +23,11 @@ from rodgen.analyse.curves.curve_datasets import scene_of
 from rodgen.analyse.cycles.cycle_search import CycleSearch
 from rodgen.analyse.cycles.flow import Flow
 from rodgen.analyse.cycles.hopf import HopfPoint, hopf_point
+from rodgen.analyse.ranges import check_whole_number
 from rodgen.analyse.rod_range import RodRange
 from rodgen.analyse.steady_rod import SteadyRod
 from rodgen.analyse.steady_state import find_steady_state
 from rodgen.errors import AnalysisError, InputError
-from rodgen.scene.plain_tables import to_plain
 from rodgen.system import ParameterRange
 
 if TYPE_CHECKING:
@@ -54,16 +54,17 @@ def read_hopf(
 ) -> Found:
     """Find the Hopf point of a saved branch of equilibria along the same key, by its number (1 is
     the first special point). Raises InputError for another point or branch, AnalysisError."""
-    if data.attrs.get("format") != FORMAT or data.attrs["key"] != along.key:
+    if data.attrs.get("format") != FORMAT.name or data.attrs["key"] != along.key:
         raise InputError("start", data.attrs.get("key"), f"a branch along {along.key}")
     other = scene_of(data)
     if other.structure != search.given.structure:
         raise InputError("start", other.name, "a branch of this scene")
     kinds = data["special_kind"].values.tolist()
-    number = to_plain(at, "at")
-    if not (isinstance(number, int) and 1 <= number <= len(kinds)) or kinds[number - 1] != HOPF:
-        names = ", ".join(f"{k}: {kind}" for k, kind in enumerate(kinds, 1)) or "none"
-        raise InputError("at", at, f"the number of a Hopf point (special points are {names})")
+    names = ", ".join(f"{k}: {kind}" for k, kind in enumerate(kinds, 1)) or "none"
+    allowed = f"the number of a Hopf point (special points are {names})"
+    number = check_whole_number(at, "at", 1, len(kinds), allowed)
+    if kinds[number - 1] != HOPF:
+        raise InputError("at", at, allowed)
     value, frequency = (float(data[f"special_{x}"][number - 1]) for x in ("value", "frequency"))
     before = int(data["special_after"][number - 1])
     y, force = data["y"].values[before], data["force"].values[before]

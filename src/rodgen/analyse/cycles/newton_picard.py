@@ -14,8 +14,7 @@ import numpy as np
 
 from rodgen.analyse.cycles.elimination import Complex
 from rodgen.analyse.cycles.flow import Flow
-from rodgen.analyse.cycles.periodicity import DONE, LONGEST, Lap, Orbit, OrbitSolver
-from rodgen.analyse.cycles.shooting import segment_states
+from rodgen.analyse.cycles.periodicity import DONE, Lap, Orbit, OrbitSolver
 from rodgen.arrays import Array
 from rodgen.errors import AnalysisError
 from rodgen.progress import report_stage
@@ -37,10 +36,6 @@ class NewtonPicard(OrbitSolver[Orbit]):
         orbit = lap.to_orbit(1)
         flow = self.flow.choose_method(orbit.t, orbit.x[0], orbit.period)
         return replace(self, flow=flow)._solve(orbit)
-
-    def path(self, orbit: Orbit, count: int) -> Array:
-        flow = self.flow.choose_method(orbit.t, orbit.x[0], orbit.period)
-        return segment_states(flow, orbit.t, orbit.x[0], orbit.period, count)
 
     def _solve(self, orbit: Orbit) -> Orbit:
         size, q = orbit.x.shape[1], self.flow.quotient
@@ -84,20 +79,12 @@ class NewtonPicard(OrbitSolver[Orbit]):
         found = np.linalg.solve(matrix, -np.concatenate((V.T @ r, rows @ off_r)))
         p, more = found[:k], found[k:]
         d = unit * (V @ p + off_r + off_W @ p + off_ways @ more)
-        longer = 0.0 if self.forced else float(more[0])
-        turn = float(more[-1]) if self.turns else 0.0
-        most = max(float(np.abs(d).max()) / orbit.scale, abs(longer) / orbit.period)
-        if not np.isfinite(most):
-            raise AnalysisError("Newton's method leaves the range of numbers")
-        share = min(1.0, LONGEST / most) if most else 1.0
+        moved, share, longer = self.limit_correction(orbit, d, more)
         moved = replace(
-            orbit,
+            moved,
             x=orbit.x + share * d,
             period=orbit.period + share * longer,
-            angle=orbit.angle + share * turn,
-            change=most,
             residual=float(np.abs(here - x).max()) / orbit.scale,
-            iterations=orbit.iterations + 1,
         )
         mu = np.linalg.eigvals(H).astype(complex)
         return moved, np.linalg.qr(W)[0], mu[np.argsort(-np.abs(mu), kind="stable")]

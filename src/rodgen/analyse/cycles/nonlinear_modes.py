@@ -17,49 +17,48 @@ import numpy as np
 from rodgen.analyse.analysis_guard import guard_analysis
 from rodgen.analyse.curves.continuation import StepControl, continue_curve
 from rodgen.analyse.curves.curve import Curve, CurvePoint, correct, point_at
-from rodgen.analyse.curves.curve_datasets import (
-    SPECIAL_ROWS,
-    attributes,
-    make_dataset,
-    special_variables,
-)
+from rodgen.analyse.curves.curve_datasets import SPECIAL_ROWS, CurveFormat, make_dataset
 from rodgen.analyse.cycles.conserved_quantities import ConservedQuantities
-from rodgen.analyse.cycles.cycle_result import Cycle, nontrivial
+from rodgen.analyse.cycles.cycle_result import Cycle
 from rodgen.analyse.cycles.cycle_search import CycleSearch, check_segments
 from rodgen.analyse.cycles.elimination import Complex
 from rodgen.analyse.cycles.flow import Flow
 from rodgen.analyse.cycles.orbit_problem import OrbitProblem
 from rodgen.analyse.cycles.periodicity import Orbit
-from rodgen.analyse.cycles.shooting import SEGMENTS, Shooting, segment_states
+from rodgen.analyse.cycles.shooting import SEGMENTS, Shooting
 from rodgen.analyse.memory_needs import CYCLE, check_analysis_memory
+from rodgen.analyse.ranges import check_positive, check_whole_number
 from rodgen.analyse.steady_rod import SteadyRod
 from rodgen.analyse.steady_state import find_steady_state
 from rodgen.arrays import Array
-from rodgen.dataset_result import POINT, SPECIAL, dataset_variables
+from rodgen.dataset_result import POINT, SPECIAL
 from rodgen.errors import AnalysisError, InputError
 from rodgen.result import Row
 from rodgen.scene import Scene
-from rodgen.scene.plain_tables import is_number, to_plain
 from rodgen.system import System
 
 if TYPE_CHECKING:
     import xarray
 
-FORMAT = "rodgen mode 1"
-DIMS = {"multipliers": ("multiplier", "part"), "y0": ("state",)}
-ROWS = (
-    Row("energy", "energy above rest", "J", along=POINT),
-    Row("frequency", "frequency", "Hz", along=POINT),
-    Row("period", "period", "s", along=POINT),
-    Row("amplitude", "amplitude of the angles", "rad", along=POINT),
-    Row("unstable", "multipliers larger than 1", along=POINT),
-    Row("energy_error", "relative change of the energy over a period", along=POINT),
-    Row("multipliers", "other multipliers", along=POINT),
-    Row("y0", "state on the motion", along=POINT),
-    Row("linear_frequency", "frequency of the linear mode", "Hz"),
-    Row("end", "ends"),
-    *SPECIAL_ROWS,
-    Row("special_energy", "energy above rest", "J", along=SPECIAL),
+FORMAT = CurveFormat(
+    "rodgen mode 1",
+    "a nonlinear mode",
+    (
+        Row("energy", "energy above rest", "J", along=POINT),
+        Row("frequency", "frequency", "Hz", along=POINT),
+        Row("period", "period", "s", along=POINT),
+        Row("amplitude", "amplitude of the angles", "rad", along=POINT),
+        Row("unstable", "multipliers larger than 1", along=POINT),
+        Row("energy_error", "relative change of the energy over a period", along=POINT),
+        Row("multipliers", "other multipliers", along=POINT),
+        Row("y0", "state on the motion", along=POINT),
+        Row("linear_frequency", "frequency of the linear mode", "Hz"),
+        Row("end", "ends"),
+        *SPECIAL_ROWS,
+        Row("special_energy", "energy above rest", "J", along=SPECIAL),
+    ),
+    {"multipliers": ("multiplier", "part"), "y0": ("state",)},
+    {"part": ["re", "im"]},
 )
 SMALL = 1e-4  # root of the share of the energy: the first motion of a family
 STEP = 0.05
@@ -74,22 +73,19 @@ class ModeFamily(OrbitProblem):
     """Continuation problem of the periodic motions of a mode. u ends with an unknown for each
     conserved quantity, zero in solutions, and the root of energy over the largest energy."""
 
+    growth = GROWS
+
     def __init__(self, flow: Flow, rest: Array, orbit: Orbit, energy: float):
         """rest: the state (size,) about which it swings; energy: the largest above it [J]."""
         self.flow, self.energy, self.conserved = flow, energy, ConservedQuantities(flow)
         self.lowest = self.conserved.values(rest)
         self.kept = len(self.lowest)
         super().__init__(flow.quotient, orbit, self.kept + 1)
-        self.set_phase(orbit)
+        self.set_phase(Shooting(flow), orbit)
 
     @property
     def trivial(self) -> int:
-        """Number of multipliers that are 1 along the whole family."""
         return 2 * self.kept
-
-    def set_phase(self, orbit: Orbit) -> None:
-        """Set the phase condition by an orbit."""
-        self.set_phase_condition(Shooting(self.flow).phase_directions(orbit), orbit)
 
     def shooting(self, u: Array) -> Shooting:
         return Shooting(self.flow)
@@ -116,10 +112,6 @@ class ModeFamily(OrbitProblem):
         F[rows] = (values - self.lowest) / self.energy
         J[rows.start, -1], F[rows.start] = -2 * u[-1], F[rows.start] - u[-1] ** 2
         return F, J
-
-    def count_unstable(self, u: Array) -> int:
-        left = nontrivial(self.multipliers(u), self.trivial)
-        return int((np.abs(left) > 1 + GROWS).sum())
 
 
 class _Rest(NamedTuple):
@@ -155,7 +147,8 @@ def _make_family(
     rest: _Rest, mode: int, energy: float, segments: int
 ) -> tuple[ModeFamily, CurvePoint]:
     """Set up the family of a mode, and its first motion."""
-    mode, energy = _check_arguments(mode, energy)
+    mode = check_whole_number(mode, "mode", 1)
+    energy = check_positive(energy, "energy", "above 0 J, the energy of rest")
     if mode > len(rest.frequencies):
         allowed = f"the number of a mode that swings, 1 to {len(rest.frequencies)}"
         raise InputError("mode", mode, allowed)
@@ -182,21 +175,8 @@ def _energy_above_rest(rest: _Rest, q: Complex) -> float:
 
 def _follow_family(family: ModeFamily, first: CurvePoint, step: float, most: int) -> Curve:
     """Follow the family from its first motion up to the largest energy."""
-
-    def on_point(point: CurvePoint) -> None:
-        family.set_phase(family.orbit(point.u))
-
-    steps = StepControl(first=step / 10, least=1e-7, longest=step, most=most)
-    return continue_curve(family, first, 0.0, 1.0, steps, watch=on_point)
-
-
-def _check_arguments(mode: object, energy: object) -> tuple[int, float]:
-    number, most = to_plain(mode, "mode"), to_plain(energy, "energy")
-    if not (isinstance(number, int) and number >= 1):
-        raise InputError("mode", mode, "a whole number of at least 1")
-    if not (is_number(most) and 0 < most < np.inf):
-        raise InputError("energy", energy, "above 0 J, the energy of rest")
-    return number, float(most)
+    steps = StepControl.of(step, most, 10, 1e-7)
+    return continue_curve(family, first, 0.0, 1.0, steps)
 
 
 @guard_analysis
@@ -269,38 +249,22 @@ def continue_mode(
 
 
 def _dataset(rest: _Rest, family: ModeFamily, curve: Curve, mode: int) -> xarray.Dataset:
-    import xarray
-
     rows = [_point_values(family, point.u) for point in curve.points]
     values = {name: np.array([row[name] for row in rows]) for name in rows[0]}
-    values["unstable"] = np.array([point.unstable for point in curve.points])
     values["special_energy"] = np.array(
         [float(s.u[-1]) ** 2 * family.energy for s in curve.special]
     )
-    values |= special_variables(curve.special)
-    said = attributes(FORMAT, rest.search.system.scene, curve, 0.0) | {
-        "mode": mode,
-        "linear_frequency": float(rest.frequencies[mode - 1]) / (2 * np.pi),
-    }
-    return xarray.Dataset(dataset_variables(ROWS, values, DIMS), {"part": ["re", "im"]}, said)
+    said = {"mode": mode, "linear_frequency": float(rest.frequencies[mode - 1]) / (2 * np.pi)}
+    return FORMAT.dataset(rest.search.system.scene, curve, 0.0, values, said)
 
 
 def _point_values(family: ModeFamily, u: Array) -> dict[str, Any]:
     """Values of the motion at u, by the names of variables."""
-    orbit, q = family.orbit(u), family.flow.quotient
-    x = segment_states(family.flow, orbit.t, orbit.x[0], orbit.period, SAMPLES)
-    angles = x[:, q.angles]
-    if q.turns:
-        angles = angles - angles.mean(axis=1, keepdims=True)
+    x, values = family.sample_motion(u, SAMPLES)
     above = np.array([family.conserved.values(one)[0] for one in x]) - family.lowest[0]
-    left = nontrivial(family.multipliers(u), family.trivial)
-    return {
+    return values | {
         "energy": float(above[0]),
-        "frequency": 1 / orbit.period,
-        "period": orbit.period,
-        "amplitude": float(np.ptp(angles, axis=0).max()) / 2,
-        "multipliers": np.stack((left.real, left.imag), -1),
-        "y0": q.lift(x[0]),
+        "frequency": 1 / values["period"],
         "energy_error": float(np.ptp(above) / above[0]),
     }
 

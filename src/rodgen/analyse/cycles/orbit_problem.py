@@ -4,10 +4,12 @@ from __future__ import annotations
 
 from abc import abstractmethod
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 
 from rodgen.analyse.curves.curve import ContinuationProblem
+from rodgen.analyse.cycles.cycle_result import nontrivial
 from rodgen.analyse.cycles.elimination import Complex, CondensedSystem
 from rodgen.analyse.cycles.periodicity import Linearisation, Orbit
 from rodgen.analyse.cycles.shooting import Shooting
@@ -21,7 +23,12 @@ LARGEST = 50.0  # logarithm of a period over the first
 class OrbitProblem(ContinuationProblem):
     """Base of curves of periodic motions. u: states at the starts of segments, rates over the first
     frequency; log(period / the first), unless given (forced); the angle by which the rod turns
-    [rad], where unknown; further unknowns, and the parameter."""
+    [rad], where unknown; further unknowns, and the parameter.
+
+    growth: by which a multiplier exceeds 1 at least where the motion is unstable.
+    """
+
+    growth: float
 
     def __init__(
         self, quotient: SymmetryReduction, orbit: Orbit, others: int, forced: bool = False
@@ -36,6 +43,11 @@ class OrbitProblem(ContinuationProblem):
         self.weights = np.append(np.full(self.states, 1 / self.states), np.ones(more))
         self._known: dict[bytes, tuple[Orbit, Linearisation]] = {}
 
+    @property
+    @abstractmethod
+    def trivial(self) -> int:
+        """Number of multipliers that are 1 along the whole curve."""
+
     @abstractmethod
     def shooting(self, u: Array) -> Shooting:
         """Shooting method at the parameter of u."""
@@ -44,9 +56,13 @@ class OrbitProblem(ContinuationProblem):
         """Period [s] of forced motions at u."""
         raise NotImplementedError
 
-    def set_phase_condition(self, ways: Array, orbit: Orbit) -> None:
-        """Set the phase condition: first states differ from an orbit's across these ways."""
-        ways = ways / self.scale
+    def adapt_to(self, u: Array) -> None:
+        self.set_phase(self.shooting(u), self.orbit(u))
+
+    def set_phase(self, shooting: Shooting, orbit: Orbit) -> None:
+        """Set the phase condition: first states do not differ from an orbit's along its motion,
+        nor as the rod turns."""
+        ways = shooting.phase_directions(orbit) / self.scale
         self._ways = ways / np.linalg.norm(ways, axis=1, keepdims=True)
         self._reference = orbit.x[0] / self.scale
 
@@ -105,4 +121,27 @@ class OrbitProblem(ContinuationProblem):
 
     def multipliers(self, u: Array) -> Complex:
         """All multipliers at u, the largest first."""
-        return CondensedSystem.of(self.orbit_and_linearisation(u)[1].G).multipliers()
+        return CondensedSystem.of(self.orbit_and_linearisation(u)[1].G).multipliers
+
+    def nontrivial(self, u: Array) -> Complex:
+        """Multipliers at u without those that are 1 along the whole curve."""
+        return nontrivial(self.multipliers(u), self.trivial)
+
+    def count_unstable(self, u: Array) -> int:
+        return int((np.abs(self.nontrivial(u)) > 1 + self.growth).sum())
+
+    def sample_motion(self, u: Array, samples: int) -> tuple[Array, dict[str, Any]]:
+        """Sample the motion at u over a period. Returns reduced states (samples, size), and the
+        values that any motion has, by the names of variables."""
+        orbit, q = self.orbit(u), self.quotient
+        x = self.shooting(u).flow.segment_states(orbit.t, orbit.x[0], orbit.period, samples)
+        angles = x[:, q.angles]
+        if q.turns:
+            angles = angles - angles.mean(axis=1, keepdims=True)
+        left = self.nontrivial(u)
+        return x, {
+            "period": orbit.period,
+            "amplitude": float(np.ptp(angles, axis=0).max()) / 2,
+            "multipliers": np.stack((left.real, left.imag), -1),
+            "y0": q.lift(x[0]),
+        }

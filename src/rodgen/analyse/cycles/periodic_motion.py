@@ -6,7 +6,6 @@ from dataclasses import replace
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
 from numpy.typing import ArrayLike
 
 from rodgen.analyse.analysis_guard import guard_analysis
@@ -17,10 +16,10 @@ from rodgen.analyse.cycles.cycle_search import SHOOTING, WAYS, CycleSearch, chec
 from rodgen.analyse.cycles.nonlinear_modes import mode_of_initial_state
 from rodgen.analyse.cycles.shooting import SEGMENTS
 from rodgen.analyse.memory_needs import CYCLE, check_analysis_memory
+from rodgen.analyse.ranges import check_positive
 from rodgen.arrays import Array
 from rodgen.errors import InputError
 from rodgen.scene import Scene
-from rodgen.scene.plain_tables import is_number, to_plain
 from rodgen.system import System
 
 if TYPE_CHECKING:
@@ -145,7 +144,5 @@ def _check_guess(
         raise InputError("period", period, "given with y0, a state near the cycle")
     if period is None:
         raise InputError("y0", y0, "given with period, nearly that of the cycle")
-    made = to_plain(period, "period")
-    if not (is_number(made) and 0 < made < np.inf):
-        raise InputError("period", period, "a time above 0 s")
-    return system.at(y0=y0).y0, float(made)
+    period = check_positive(period, "period", "a time above 0 s")
+    return system.at(y0=y0).y0, period

@@ -54,7 +54,7 @@ class Orbit:
         if self.leading is not None:
             return self.leading
         assert self.condensed is not None
-        return self.condensed.multipliers()
+        return self.condensed.multipliers
 
 
 @dataclass(frozen=True)
@@ -113,9 +113,23 @@ class OrbitSolver(ABC, Generic[O]):
     def find_orbit(self, lap: Lap) -> O:
         """Find the periodic motion near a lap. Raises AnalysisError."""
 
-    @abstractmethod
     def path(self, orbit: O, count: int) -> Array:
         """States (count, size) at equally spaced times of the period, from its start on."""
+        flow = self.flow.choose_method(orbit.t, orbit.x[0], orbit.period)
+        return flow.segment_states(orbit.t, orbit.x[0], orbit.period, count)
+
+    def limit_correction(self, orbit: O, d: Array, more: Array) -> tuple[O, float, float]:
+        """Limit a correction, d of the states and more of the period and the angle, to a share of
+        it, by which the angle is corrected here. Returns the orbit, the share, and the whole
+        change of the period [s]. Raises AnalysisError."""
+        if not (np.isfinite(d).all() and np.isfinite(more).all()):
+            raise AnalysisError("Newton's method leaves the range of numbers")
+        longer = 0.0 if self.forced else float(more[0])
+        turn = float(more[-1]) if self.turns else 0.0
+        most = max(float(np.abs(d).max()) / orbit.scale, abs(longer) / orbit.period)
+        share = min(1.0, LONGEST / most) if most else 1.0
+        angle, iterations = orbit.angle + share * turn, orbit.iterations + 1
+        return replace(orbit, angle=angle, change=most, iterations=iterations), share, longer
 
     def phase_directions(self, orbit: Orbit) -> Array:
         """Directions (k, size) in which the first state is not corrected: along the motion, unless
@@ -206,16 +220,5 @@ class NewtonSolver(OrbitSolver[O]):
         ways = ways / np.linalg.norm(ways, axis=1, keepdims=True)
         rows = np.hstack((ways, np.zeros((len(ways), len(ways)))))
         d, more = CondensedSystem.of(at.G, at.B, at.r).solve(rows, np.zeros(len(ways)))
-        if not (np.isfinite(d).all() and np.isfinite(more).all()):
-            raise AnalysisError("Newton's method leaves the range of numbers")
-        change = float(np.abs(d).max()) / orbit.scale
-        longer = 0.0 if self.forced else float(more[0])
-        turn = float(more[-1]) if self.turns else 0.0
-        most = max(change, abs(longer) / orbit.period)
-        share = min(1.0, LONGEST / most) if most else 1.0
-        return replace(
-            self.apply_correction(orbit, at, share, d, longer),
-            angle=orbit.angle + share * turn,
-            change=most,
-            iterations=orbit.iterations + 1,
-        )
+        orbit, share, longer = self.limit_correction(orbit, d, more)
+        return self.apply_correction(orbit, at, share, d, longer)

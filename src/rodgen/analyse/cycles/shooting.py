@@ -7,7 +7,6 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from rodgen.analyse.cycles.flow import Flow
 from rodgen.analyse.cycles.periodicity import Lap, Linearisation, NewtonSolver, Orbit
 from rodgen.arrays import Array
 
@@ -30,10 +29,6 @@ class Shooting(NewtonSolver[Orbit]):
         flow = self.flow.choose_method(lap.t, lap.states(np.zeros(())), lap.period)
         return replace(self, flow=flow).solve(lap.to_orbit(self.segments))
 
-    def path(self, orbit: Orbit, count: int) -> Array:
-        flow = self.flow.choose_method(orbit.t, orbit.x[0], orbit.period)
-        return segment_states(flow, orbit.t, orbit.x[0], orbit.period, count)
-
     def linearise(self, orbit: Orbit) -> Linearisation:
         made = [self.flow.state_and_tangents_after(t, x, span) for t, x, span in _segments(orbit)]
         ends = [end for end, _ in made]
@@ -54,12 +49,3 @@ class Shooting(NewtonSolver[Orbit]):
             self.flow.rates(t + span, end) / len(orbit.x)
             for (t, _, span), end in zip(_segments(orbit), ends, strict=True)
         ]
-
-
-def segment_states(flow: Flow, t: float, x: Array, period: float, segments: int) -> Array:
-    """States (segments, size) at the starts of equal segments of a motion from x at time t [s]."""
-    states = [x]
-    for i in range(segments - 1):
-        share = period / segments
-        states.append(flow.state_after(t + i * share, states[-1], share))
-    return np.array(states)

@@ -113,9 +113,8 @@ class SymmetryReduction:
         made[at] = np.cos(angle) * V[at] + np.sin(angle) * self._quarter_turn(V.T).T[at]
         return made
 
-    def lift(self, x: Array, like: Array | None = None) -> Array:
-        """Expand reduced states to whole ones (..., states); like: a state that gives the rest."""
-        rest = self.origin if like is None else like
-        made = np.broadcast_to(rest, (*x.shape[:-1], len(rest))).copy()
+    def lift(self, x: Array) -> Array:
+        """Expand reduced states to whole ones (..., states)."""
+        made = np.broadcast_to(self.origin, (*x.shape[:-1], len(self.origin))).copy()
         made[..., self.kept] = x
         return made

@@ -1,22 +1,25 @@
-"""Animations of a run: its rod over time, frame by frame, as MP4 or GIF."""
+"""Films of a run, in a file or in memory: its rod over time, frame by frame, as MP4 or GIF."""
 
 from __future__ import annotations
 
+import base64
 import math
+import tempfile
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 
 import numpy as np
 from matplotlib.lines import Line2D
 from numpy.typing import NDArray
 
-from rodgen.arrays import Array
+from rodgen.arrays import Array, even_indices
 from rodgen.errors import InputError
 from rodgen.integrate import Solution
 from rodgen.integrate.files import atomic_write
+from rodgen.progress import show_run
 from rodgen.scene import Scene
-from rodgen.show.animation.film_files import check_file, open_writer
+from rodgen.show.animation.film_files import check_file, find_ffmpeg, open_writer
 from rodgen.show.animation.frame_times import FilmSettings, FramePlan, plan_frames
 from rodgen.show.animation.motion import MotionSamples, choose_camera, ground_grid, sample_motion
 from rodgen.show.animation.stage import GRID, LoadArrows, Stage
@@ -43,6 +46,37 @@ class Film:
     speed: float
     view: str
     notes: tuple[str, ...]
+
+
+@dataclass(frozen=True, repr=False)
+class Video:
+    """A film in memory: data as in a file; ending: of such a file, ".mp4" or ".gif"; about: its
+    frames, and notes; width [pixels]."""
+
+    data: bytes = field(repr=False)
+    ending: str
+    about: Film
+    width: int
+
+    def __repr__(self) -> str:
+        frames = f"{self.about.frames} frames, {self.about.seconds:.4g} s"
+        return f"<Video {self.ending}: {frames}, {len(self.data) / 1e6:.3g} MB>"
+
+    def _repr_html_(self) -> str:
+        """HTML that plays it again and again in notebooks."""
+        coded, width = base64.b64encode(self.data).decode(), f'width="{self.width}"'
+        if self.ending == ".gif":
+            words = f'alt="a film of {self.about.seconds:.4g} s"'
+            return f'<img {width} {words} src="data:image/gif;base64,{coded}">'
+        source = f'src="data:video/mp4;base64,{coded}"'
+        return f"<video {width} controls autoplay loop muted playsinline {source}></video>"
+
+    def save(self, path: str | Path) -> None:
+        """Write it to a file with its ending. Raises InputError for another ending."""
+        path = Path(path)
+        if path.suffix.lower() != self.ending:
+            raise InputError("path", str(path), f"a file that ends in {self.ending}")
+        path.write_bytes(self.data)
 
 
 def animate(
@@ -94,6 +128,18 @@ def write_film(
     return Film(count, count / settings.fps, planned.speed, picture.camera.view, tuple(notes))
 
 
+def make_video(solution: Solution, settings: FilmSettings) -> Video:
+    """Make a film of a run in memory, MP4 where that can be made, else GIF; behind a bar. Raises
+    InputError for what cannot be used."""
+    ending = ".gif" if find_ffmpeg() is None else ".mp4"
+    first, last = (float(solution.t[at]) for at in (0, -1)) if len(solution.t) else (0.0, 0.0)
+    with tempfile.TemporaryDirectory() as folder, show_run("drawing", first, last) as update:
+        path = Path(folder) / f"film{ending}"
+        planned = plan_frames(solution.t, settings)
+        made = write_film(solution.isel(planned.kept), planned, path, settings, update)
+        return Video(path.read_bytes(), ending, made, settings.width)
+
+
 def _drawable_frames(solution: Solution, planned: FramePlan) -> tuple[NDArray[np.intp], list[str]]:
     """Return the frames before a run blows up, by number of their sample, and notes on them."""
     notes = []
@@ -114,7 +160,7 @@ def _drawable_frames(solution: Solution, planned: FramePlan) -> tuple[NDArray[np
 
 def _palette_frames(picture: FrameRenderer, frames: NDArray[np.intp]) -> NDArray[np.uint8]:
     """Draw some frames of a film, one above the other."""
-    some = frames[np.unique(np.linspace(0, len(frames) - 1, PALETTE).round().astype(int))]
+    some = frames[even_indices(0, len(frames) - 1, PALETTE)]
     return np.concatenate([picture.render(int(k), 0.0) for k in some])
 
 
