@@ -13,7 +13,7 @@ from functools import cache
 from sympy import Expr, Poly, S, integrate, sympify
 
 from rodgen.model import rod as rows
-from rodgen.model.parameter import LINKS
+from rodgen.model.term import LINKS
 
 from .symbols import PARAMETERS, eta, k, m, xi
 

@@ -50,7 +50,7 @@ class SensorPoint:
 
 
 def _gain(what: str, link: Expr | int, share: Expr) -> Expr:
-    """What a link adds from its start to a share of it."""
+    """Change of a position or a velocity from the start of a link to a share of it."""
     return dict(zip(STARTS, link_step(link, share), strict=True))[what]
 
 

@@ -6,7 +6,7 @@ from typing import Any
 from sympy import Expr, IndexedBase, Rational, Symbol, symbols
 
 from rodgen.model import terms
-from rodgen.model.parameter import Parameter
+from rodgen.model.term import Parameter
 
 
 def _symbol(row: Parameter) -> Symbol | IndexedBase:

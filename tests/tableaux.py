@@ -86,7 +86,7 @@ def _banner(title: str) -> list[str]:
     return [
         f"/* {title}.",
         "",
-        "   From rodgen.model.methods by tests.tableaux (`make docs NAME=reference`);",
+        "   From rodgen.model.methods by tests/tableaux.py (`make docs NAME=reference`);",
         "   tests/reference.py guards it. Do not edit. */",
         "",
     ]

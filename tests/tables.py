@@ -11,8 +11,8 @@ import annotated_types
 from pydantic import BaseModel
 from pydantic.fields import FieldInfo
 
-from rodgen.model.parameter import LINKS, Parameter
 from rodgen.model.rod import BOUNDARIES
+from rodgen.model.term import LINKS, Parameter
 from rodgen.model.terms import TERMS
 from rodgen.result import Row
 from rodgen.scene import Scene

@@ -25,8 +25,8 @@ from typing import Any, Self
 from sympy import Expr, IndexedBase, Integer, S, Sum, Symbol
 from sympy.polys.rings import PolyElement
 
-from rodgen.model.parameter import JOINTS, LINKS, Parameter
 from rodgen.model.rod import Boundary
+from rodgen.model.term import JOINTS, LINKS, Parameter
 from rodgen.model.terms import TERMS
 
 from ..chain import Vector

@@ -6,7 +6,7 @@ from rodgen.analyse.branches.stability_boundary import stability_boundary as sta
 from rodgen.analyse.chaos.lyapunov import Exponents as Exponents
 from rodgen.analyse.chaos.lyapunov import lyapunov_exponents as lyapunov_exponents
 from rodgen.analyse.chaos.poincare import poincare_section as poincare_section
-from rodgen.analyse.chaos.zero_one import zero_one_test as zero_one_test
+from rodgen.analyse.chaos.poincare import zero_one_test as zero_one_test
 from rodgen.analyse.critical import Critical as Critical
 from rodgen.analyse.critical import critical_load as critical_load
 from rodgen.analyse.cycles.cycle_continuation import continue_cycles as continue_cycles

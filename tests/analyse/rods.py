@@ -11,7 +11,7 @@ import numpy as np
 
 import rodgen
 from rodgen.analyse.cycles.cycle_search import CycleSearch
-from rodgen.analyse.cycles.hopf_points import first_hopf
+from rodgen.analyse.cycles.hopf import first_hopf
 from rodgen.analyse.cycles.periodic_motion import find_cycle
 from rodgen.check.reference_equations import ReferenceEquations
 from rodgen.scene import Scene

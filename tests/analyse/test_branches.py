@@ -12,7 +12,7 @@ from scipy.optimize import fsolve
 import rodgen
 from rodgen.analyse.branches import equilibrium_data
 from rodgen.analyse.branches.equilibrium_branch import continue_equilibria
-from rodgen.analyse.curves import curve_files
+from rodgen.analyse.curves import curve_datasets
 from rodgen.analyse.extrapolation import richardson
 from rodgen.analyse.references import elastica
 from rodgen.errors import AnalysisError, InputError
@@ -136,7 +136,7 @@ def test_the_fold_of_a_column_with_a_force_across() -> None:
 def test_a_file_is_gone_on_from(tmp_path: Path) -> None:
     scene = rod(6, "clamped", {"tip": {"x": 0.0, "y": 0.3}})
     part = continue_equilibria(scene, AXIAL, (0.0, -9.0))
-    curve_files.save(part, tmp_path / "branch.nc")
+    curve_datasets.save_curve(part, tmp_path / "branch.nc")
     read = equilibrium_data.FORMAT.read(tmp_path / "branch.nc")
     back = continue_equilibria(scene, AXIAL, (0.0, -20.0), resume=read, at=0)
     # The first point is that of the unloaded rod, on its edge.

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 import rodgen
-from rodgen.analyse.chaos.zero_one import decimate, zero_one_test
+from rodgen.analyse.chaos.poincare import decimate, zero_one_test
 from rodgen.scene import Scene
 from tests.analyse.rods import ONES, rod
 

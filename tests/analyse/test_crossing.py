@@ -20,8 +20,7 @@ from rodgen.analyse.crossing import (
     UndampedFlutter,
 )
 from rodgen.analyse.cycles.cycle_search import CycleSearch
-from rodgen.analyse.cycles.hopf import HopfPoint
-from rodgen.analyse.cycles.hopf_points import first_hopf, read_hopf
+from rodgen.analyse.cycles.hopf import HopfPoint, first_hopf, read_hopf
 from rodgen.analyse.pencil import MatrixPencil
 from rodgen.arrays import Array
 from rodgen.errors import AnalysisError

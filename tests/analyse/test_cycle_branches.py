@@ -11,11 +11,11 @@ import pytest
 from scipy.special import ellipk
 
 import rodgen
-from rodgen.analyse.curves import curve_files
+from rodgen.analyse.curves import curve_datasets
 from rodgen.analyse.cycles import cycle_data
 from rodgen.analyse.cycles.cycle_continuation import continue_cycles
 from rodgen.analyse.cycles.cycle_search import CycleSearch
-from rodgen.analyse.cycles.hopf_points import first_hopf
+from rodgen.analyse.cycles.hopf import first_hopf
 from rodgen.analyse.cycles.nonlinear_modes import continue_mode, nonlinear_mode
 from rodgen.analyse.cycles.periodic_motion import find_cycle
 from rodgen.errors import AnalysisError, InputError
@@ -69,7 +69,7 @@ def test_a_branch_has_the_cycle_of_a_run(branch: Any, tmp_path: Any) -> None:
     # What thrust brings in, damping takes out, in every cycle of the branch.
     work = branch["work"].values
     np.testing.assert_allclose(work.sum(axis=1), 0, atol=1e-9 * np.abs(work).max())
-    curve_files.save(branch, tmp_path / "cycles.nc")
+    curve_datasets.save_curve(branch, tmp_path / "cycles.nc")
     again = cycle_data.FORMAT.read(tmp_path / "cycles.nc")
     np.testing.assert_array_equal(again["y0"].values, branch["y0"].values)
     # From there both ways: the same curve.

@@ -10,7 +10,7 @@ from scipy.signal import lfilter
 import rodgen
 from rodgen.analyse.branches.deflation import _newton
 from rodgen.analyse.chaos.lyapunov import Exponents, half_differences, standard_errors
-from rodgen.analyse.chaos.zero_one import zero_one_test
+from rodgen.analyse.chaos.poincare import zero_one_test
 from rodgen.analyse.curves.curve import ContinuationProblem
 from rodgen.arrays import Array
 from tests.analyse.rods import ONES, rod

@@ -14,8 +14,7 @@ from scipy.signal import lfilter
 
 import rodgen
 from rodgen.analyse.chaos.lyapunov import half_differences, lyapunov_exponents, standard_errors
-from rodgen.analyse.chaos.metrics import Metric
-from rodgen.analyse.chaos.zero_exponents import zero_exponents
+from rodgen.analyse.chaos.metrics import Metric, zero_exponents
 from rodgen.errors import AnalysisError
 from rodgen.integrate.stepper import StepError
 from rodgen.integrate.variations import Variations

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 import rodgen
-from rodgen.analyse.curves import curve_files
+from rodgen.analyse.curves import curve_datasets
 from tests.analyse.rods import AXIAL, COLUMN, FORCE, ONES, rod
 from tests.analyse.test_boundary import INTERNAL
 from tests.sets import sets
@@ -59,8 +59,10 @@ def test_what_was_found_is_kept_and_gone_on_with(kind: Any, tmp_path: Path) -> N
     part = _stopped(follow, 4)
     assert not part.attrs["complete"]
     assert part.sizes["point"] == 4
-    curve_files.save(part, tmp_path / "part.nc")
-    read = curve_files.read(tmp_path / "part.nc", "resume", "a curve", part.attrs["format"])
+    curve_datasets.save_curve(part, tmp_path / "part.nc")
+    read = curve_datasets.read_curve(
+        tmp_path / "part.nc", "resume", "a curve", part.attrs["format"]
+    )
     # Where it was followed both ways, the end that was reached is its first point.
     back = 0 if kind is not _equilibria else -1
     on = follow(resume=read, at=back)

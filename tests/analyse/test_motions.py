@@ -11,7 +11,7 @@ from scipy.optimize import root
 import rodgen
 from rodgen.analyse.branches import equilibrium_data
 from rodgen.analyse.branches.equilibrium_branch import continue_equilibria
-from rodgen.analyse.curves import curve_files
+from rodgen.analyse.curves import curve_datasets
 from rodgen.errors import AnalysisError, InputError
 from rodgen.scene import Scene
 from tests.analyse.rods import AXIAL, FORCE, ONES, jacobian, rod
@@ -107,7 +107,7 @@ def test_a_dragged_rod_keeps_its_bend(tmp_path: Any) -> None:
         J = jacobian(equilibrium_data.scene_at(found, at))
         s = np.linalg.eigvals(np.delete(np.delete(J, [0, 1], 0), [0, 1], 1))
         assert int((s.real > 1e-9 * np.abs(s).max()).sum()) == found["unstable"].values[at]
-    curve_files.save(found, tmp_path / "branch.nc")
+    curve_datasets.save_curve(found, tmp_path / "branch.nc")
     read = equilibrium_data.FORMAT.read(tmp_path / "branch.nc")
     half = found.sizes["point"] // 2
     again = continue_equilibria(scene, STIFFNESS, (10.0, 0.5), resume=read, at=half, step=0.1)

@@ -11,8 +11,7 @@ from rodgen.analyse.branches.equilibrium_branch import continue_equilibria
 from rodgen.analyse.curves.continuation import continue_curve, start_point
 from rodgen.analyse.curves.curve import BRANCH, ContinuationProblem
 from rodgen.analyse.cycles.cycle_search import CycleSearch
-from rodgen.analyse.cycles.hopf import normal_form
-from rodgen.analyse.cycles.hopf_points import first_hopf
+from rodgen.analyse.cycles.hopf import first_hopf, normal_form
 from rodgen.arrays import Array
 from rodgen.scene import Scene
 from rodgen.system import ParameterRange, System

@@ -12,7 +12,7 @@ import rodgen
 from rodgen.analyse.branches.equilibrium_branch import continue_equilibria
 from rodgen.analyse.branches.stability_boundary import stability_boundary
 from rodgen.analyse.chaos.lyapunov import lyapunov_exponents
-from rodgen.analyse.chaos.zero_one import zero_one_test
+from rodgen.analyse.chaos.poincare import zero_one_test
 from rodgen.analyse.critical import critical_load
 from rodgen.analyse.cycles.cycle_continuation import continue_cycles
 from rodgen.analyse.cycles.floquet import floquet

@@ -12,7 +12,7 @@ import xarray as xr
 
 from rodgen.analyse.branches import equilibrium_data
 from rodgen.analyse.branches.equilibrium_branch import continue_equilibria
-from rodgen.analyse.curves import curve_files
+from rodgen.analyse.curves import curve_datasets
 from rodgen.integrate import simulate
 from rodgen.scene import Scene
 from rodgen.system import System
@@ -73,7 +73,9 @@ def test_boundary_in_a_file_with_its_picture(works: Run, scene: Path) -> None:
     works("boundary", scene, *BOTH)
     folder = Path("results/rod")
     assert {file.name for file in folder.iterdir()} == {"boundary.nc", "boundary.png"}
-    data = curve_files.read(folder / "boundary.nc", "file", "a boundary", "rodgen boundary 1")
+    data = curve_datasets.read_curve(
+        folder / "boundary.nc", "file", "a boundary", "rodgen boundary 1"
+    )
     assert data.attrs["complete"]
 
 
@@ -126,14 +128,14 @@ def test_ctrl_c_writes_what_was_found(
     assert f"--resume {written}" in done.stderr
     names = {written.name, f"{written.name}.steps"}
     assert {one.name for one in written.parent.iterdir()} == names
-    data = curve_files.read(written, "file", "a curve", f"rodgen {file} 1")
+    data = curve_datasets.read_curve(written, "file", "a curve", f"rodgen {file} 1")
     assert data.sizes["point"] in numbers(done.stderr)
     assert not data.attrs["complete"]
     works(first, scene, *rest, "--resume", written, "--no-pictures")
     assert [one.name for one in written.parent.iterdir()] == [written.name]
     works(first, scene, *rest, "--out", "whole", "--no-pictures")
     found, whole = (
-        curve_files.read(path, "file", "a curve", f"rodgen {file} 1")
+        curve_datasets.read_curve(path, "file", "a curve", f"rodgen {file} 1")
         for path in (written, Path(f"whole/rod/{file}.nc"))
     )
     xr.testing.assert_identical(found, whole)
@@ -183,7 +185,7 @@ def test_a_branch_in_a_file_and_a_cycle_of_it(works: Run, flutter: Path, tmp_pat
     works("cycle-branch", flutter, *VARIED, "--start", "run", "--out", out)
     file = out / "rod" / "cycles.nc"
     assert {path.name for path in file.parent.iterdir()} == {file.name, "cycles.png"}
-    branch = curve_files.read(file, "file", "a branch", "rodgen cycles 1")
+    branch = curve_datasets.read_curve(file, "file", "a branch", "rodgen cycles 1")
     assert branch["value"][[0, -1]].values.tolist() == [18.0, 20.0]
     own = json.loads(works("cycle", flutter, "--json").stdout)
     found = json.loads(works("cycle", flutter, "--from", file, "--json").stdout)

@@ -12,7 +12,7 @@ import pytest
 import tomli_w
 import xarray as xr
 
-from rodgen.analyse.curves import curve_files
+from rodgen.analyse.curves import curve_datasets
 from tests.cli.conftest import Done, Run, python
 from tests.sets import sets
 
@@ -83,7 +83,7 @@ def test_what_was_killed_is_gone_on_with(
     works(*told, "--no-pictures", "--out", "whole")
     file, steps = Path(f"results/rod/{name}.nc"), Path(f"results/rod/{name}.nc.steps")
     kind = f"rodgen {'cycles' if command == 'cycle-branch' else command} 1"
-    whole = curve_files.read(Path(f"whole/rod/{name}.nc"), "file", "a curve", kind)
+    whole = curve_datasets.read_curve(Path(f"whole/rod/{name}.nc"), "file", "a curve", kind)
     points = whole.sizes["point"]
     for kills in ([2], [5, 3, 4], [points - 2]):
         for after in kills:
@@ -96,7 +96,7 @@ def test_what_was_killed_is_gone_on_with(
             assert (done.returncode, done.stderr.count("\n")) == (2, 1)
             assert steps.read_bytes() == left
         works(*told, "--no-pictures", "--resume", file)
-        found = curve_files.read(file, "file", "a curve", kind)
+        found = curve_datasets.read_curve(file, "file", "a curve", kind)
         kinds = whole["special_kind"].values.tolist()
         assert found["special_kind"].values.tolist() == kinds
         xr.testing.assert_identical(found, whole)
@@ -116,9 +116,11 @@ def test_what_a_kill_of_an_extension_leaves(works: Run, scene: Path) -> None:
     _killed(6, *more)
     assert file.read_bytes() == before
     works(*more)
-    found = curve_files.read(file, "file", "a curve", "rodgen branch 1")
+    found = curve_datasets.read_curve(file, "file", "a curve", "rodgen branch 1")
     works(*way, "--bounds", "0,-3", "--out", "other")
     works(*way, "--bounds", "0,-30", "--out", "other", "--resume", "other/rod/branch.nc")
-    whole = curve_files.read(Path("other/rod/branch.nc"), "file", "a curve", "rodgen branch 1")
+    whole = curve_datasets.read_curve(
+        Path("other/rod/branch.nc"), "file", "a curve", "rodgen branch 1"
+    )
     xr.testing.assert_identical(found, whole)
     assert np.all(np.diff(found["length"]) > 0)

@@ -184,14 +184,14 @@ def test_module_of_an_earlier_run_is_taken_away(works: Run, short: Path, tmp_pat
 # A signal comes as soon as a second state is kept, whatever the machine does beside.
 STOPPED = """
 import os, signal, sys
-from rodgen.integrate.files import checkpoint
-kept, left, sent = checkpoint.write, [2], getattr(signal, sys.argv.pop(1))
+from rodgen.integrate.files import saver
+kept, left, sent = saver.write_checkpoint, [2], getattr(signal, sys.argv.pop(1))
 def write(*given):
     kept(*given)
     left[0] -= 1
     if not left[0]:
         os.kill(os.getpid(), sent)
-checkpoint.write = write
+saver.write_checkpoint = write
 from rodgen.cli import main
 main()
 """

@@ -9,7 +9,7 @@ import pytest
 
 import rodgen
 from rodgen import Scene
-from rodgen.integrate.crossings import Crossing
+from rodgen.integrate.reductions import Crossing
 from rodgen.integrate.simulate_many import simulate_rods
 from rodgen.system import System
 from tests.compiled.conftest import NO_LOADS

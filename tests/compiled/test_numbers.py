@@ -9,7 +9,6 @@ import pytest
 from scipy.interpolate import PchipInterpolator
 
 from rodgen import build
-from rodgen.integrate.files.file_layout import GIVEN, PARAMETERS, changes_in
 from rodgen.scene import Scene
 
 TABLE = "[0, 0.1, 0.6, 1], [0, 310, -290, 5]"
@@ -86,17 +85,3 @@ def test_each_rod_of_a_batch_has_numbers_of_its_own(models: Any) -> None:
     one_by_one = [c.rhs(0.3, *rod) for rod in zip(y, p, strict=True)]
     np.testing.assert_allclose(rates, one_by_one, rtol=1e-12, atol=1e-9)
     assert np.ptp(rates[:, -1]) > 0
-
-
-def test_changes_of_files_from_before_numbers_were_parameters_are_read(models: Any) -> None:
-    structure, whole = SCENE.structure, models[0].parameters(**SCENE.parameters)
-    numbers = [structure.indices[name] for name in structure.numbers]
-    assert numbers
-    before = np.delete(whole, numbers)
-    kind = [(PARAMETERS, ">f8", before.shape), (GIVEN, ">f8")]
-    records = np.array([(before, 0.0), (2 * before, 1.0)], dtype=kind)
-    changes = changes_in(records, SCENE)
-    assert changes is not None
-    np.testing.assert_array_equal(changes.p[0], whole)
-    np.testing.assert_array_equal(np.delete(changes.p[1], numbers), 2 * before)
-    np.testing.assert_array_equal(changes.p[1][numbers], whole[numbers])

@@ -139,7 +139,7 @@ assert abs(np.cos(np.diff(sol.y[-1, :2])[0] / 2) - 0.995) < 1e-9  # rounding of 
     "An analysis": (
         [
             "src/rodgen/analyse/half_lives.py",
-            "src/rodgen/show/half_life_picture.py",
+            "src/rodgen/show/half_life_pictures.py",
             "src/rodgen/cli/half_life_command.py",
         ],
         """

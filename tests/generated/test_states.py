@@ -11,7 +11,7 @@ import pytest
 
 import rodgen
 from rodgen.emit.targets import FORMS
-from rodgen.model.parameter import JOINTS, LINKS
+from rodgen.model.term import JOINTS, LINKS
 from rodgen.scene.structure import Structure
 from tests.generated.conftest import Built
 from tests.palette import SMALL, short

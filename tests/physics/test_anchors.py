@@ -12,7 +12,7 @@ from rodgen.analyse.references.follower_columns import beck
 from rodgen.loading import build
 from rodgen.model.rod import BOUNDARIES
 from rodgen.scene import Scene
-from rodgen.show.shape_picture import shapes
+from rodgen.show.time_pictures import shapes
 from tests.sets import sets
 from tests.told import refused
 

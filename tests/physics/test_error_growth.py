@@ -10,7 +10,7 @@ import pytest
 
 import rodgen
 from rodgen.errors import InputError
-from rodgen.integrate.error_growth import error_growth
+from rodgen.integrate.dense_output import error_growth
 from rodgen.integrate.trajectory import Changes
 from rodgen.scene import Scene
 from rodgen.system import System

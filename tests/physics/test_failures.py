@@ -12,7 +12,7 @@ import pytest
 import rodgen
 from rodgen.errors import DoubtWarning
 from rodgen.integrate import Interrupted, RunError
-from rodgen.integrate.methods.library_steppers import ScipyStep
+from rodgen.integrate.methods.python_steppers import ScipyStep
 from rodgen.scene import Scene
 from tests.sets import Make, sets
 

@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 
 import rodgen
-from rodgen.integrate.recorder import GridRecorder
 from rodgen.live import live_steps
+from rodgen.live.grid_recorder import GridRecorder
 from rodgen.live.open_run import LiveError
 from rodgen.scene import Scene
 from tests.palette import cases

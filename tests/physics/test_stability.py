@@ -13,7 +13,7 @@ import rodgen
 from rodgen.arrays import Array
 from rodgen.errors import DoubtWarning
 from rodgen.integrate import RunError, stability
-from rodgen.integrate.methods.fixed_step import explicit_step
+from rodgen.integrate.methods.python_steppers import explicit_step
 from rodgen.integrate.stability import LIMITS, Dominant, dominant, step_doubt, step_limit
 from rodgen.integrate.stepper import Rhs, StepError
 from rodgen.model.methods import TABLEAUX

@@ -12,7 +12,7 @@ import pytest
 
 import rodgen
 from rodgen.integrate.events import SwitchProgress
-from rodgen.integrate.files import checkpoint
+from rodgen.integrate.files import saver
 from rodgen.integrate.files.saver import Saver
 from rodgen.integrate.stepper import ChatterError
 from rodgen.scene import Scene
@@ -96,7 +96,7 @@ def test_a_run_that_is_put_down_anywhere_goes_on_to_the_same_bits(tmp_path: Path
                 taken.append(stop)
             else:
                 break
-        assert checkpoint.checkpoint_path(out).exists()
+        assert saver.checkpoint_path(out).exists()
         assert (rodgen.resume(out).y == whole.y).all()
     assert len(taken) > 3
 

@@ -14,8 +14,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from rodgen.errors import InputError, Missing
-from rodgen.model.parameter import JOINTS, POSITIVE
 from rodgen.model.rod import BOUNDARIES
+from rodgen.model.term import JOINTS, POSITIVE
 from rodgen.model.terms import PARAMETERS, PLACES, TERMS
 from rodgen.scene import Scene
 from rodgen.scene.structure import MOST_LINKS

@@ -12,7 +12,7 @@ import pytest
 import xarray as xr
 
 from rodgen.arrays import Array
-from rodgen.integrate.files.checksums import NO_STATS
+from rodgen.integrate.files.file_layout import NO_STATS
 from rodgen.integrate.files.stream import Stream
 from rodgen.integrate.solution import Solution
 from rodgen.integrate.stepper import Stats

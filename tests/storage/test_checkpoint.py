@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from rodgen.integrate.files import checkpoint
+from rodgen.integrate.files import saver
 from tests.told import refused
 
 ARRAYS = {
@@ -30,11 +30,11 @@ NUMBERS: dict[str, Any] = {
 
 
 def test_comes_back_as_it_was(tmp_path: Path) -> None:
-    path = checkpoint.checkpoint_path(tmp_path / "run.nc")
+    path = saver.checkpoint_path(tmp_path / "run.nc")
     assert path.name == "run.nc.checkpoint"
     for _ in range(2):  # the second takes the place of the first
-        checkpoint.write(path, ARRAYS, NUMBERS)
-    arrays, numbers = checkpoint.read(path)
+        saver.write_checkpoint(path, ARRAYS, NUMBERS)
+    arrays, numbers = saver.read_checkpoint(path)
     assert numbers == NUMBERS
     assert arrays.keys() == ARRAYS.keys()
     for name, array in arrays.items():
@@ -42,7 +42,7 @@ def test_comes_back_as_it_was(tmp_path: Path) -> None:
         assert array.tobytes() == ARRAYS[name].tobytes()
     assert list(tmp_path.iterdir()) == [path]
     content = path.read_bytes()
-    checkpoint.write(path, ARRAYS, NUMBERS)
+    saver.write_checkpoint(path, ARRAYS, NUMBERS)
     assert path.read_bytes() == content  # no date in it
     with np.load(path, allow_pickle=False) as other:
         np.testing.assert_array_equal(other["array_y"], ARRAYS["y"])
@@ -50,7 +50,7 @@ def test_comes_back_as_it_was(tmp_path: Path) -> None:
 
 def test_any_damage_is_seen(tmp_path: Path) -> None:
     path = tmp_path / "run.nc.checkpoint"
-    checkpoint.write(path, ARRAYS, NUMBERS)
+    saver.write_checkpoint(path, ARRAYS, NUMBERS)
     whole = path.read_bytes()
     random = np.random.default_rng(4)
     for _ in range(100):
@@ -61,22 +61,22 @@ def test_any_damage_is_seen(tmp_path: Path) -> None:
             if content == whole:
                 continue
             path.write_bytes(content)
-            assert refused(checkpoint.read, path)[:2] == ("checkpoint", str(path))
+            assert refused(saver.read_checkpoint, path)[:2] == ("checkpoint", str(path))
 
 
 def test_other_files_are_refused(tmp_path: Path) -> None:
     path = tmp_path / "other.checkpoint"
-    assert refused(checkpoint.read, path)[:2] == ("checkpoint", str(path))
+    assert refused(saver.read_checkpoint, path)[:2] == ("checkpoint", str(path))
     with path.open("wb") as file:
         np.savez(file, y=np.ones(3))
-    assert refused(checkpoint.read, path)[:2] == ("checkpoint", str(path))
+    assert refused(saver.read_checkpoint, path)[:2] == ("checkpoint", str(path))
     beyond = tmp_path / "none" / "run.nc.checkpoint"
-    assert str(beyond) == refused(checkpoint.write, beyond, {}, {}).value
+    assert str(beyond) == refused(saver.write_checkpoint, beyond, {}, {}).value
 
 
 def test_what_cannot_come_back_is_refused(tmp_path: Path) -> None:
     path = tmp_path / "run.nc.checkpoint"
     for arrays, numbers in (({"y": np.array([None])}, {}), ({}, {"t": object()})):
         with pytest.raises(TypeError):
-            checkpoint.write(path, arrays, numbers)
+            saver.write_checkpoint(path, arrays, numbers)
     assert list(tmp_path.iterdir()) == []

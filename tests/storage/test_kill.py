@@ -13,7 +13,7 @@ import xarray as xr
 
 import rodgen
 from rodgen.integrate.files import netcdf
-from rodgen.integrate.files.checksums import NO_STATS
+from rodgen.integrate.files.file_layout import NO_STATS
 from rodgen.integrate.files.stream import Stream
 
 Make = Callable[..., Any]

@@ -12,7 +12,7 @@ from scipy.io import netcdf_file
 
 import rodgen
 from rodgen.integrate.files import result_file
-from rodgen.integrate.files.checksums import NO_STATS
+from rodgen.integrate.files.file_layout import NO_STATS
 from rodgen.integrate.files.result_file import header_of
 from rodgen.integrate.files.stream import Stream
 from rodgen.integrate.trajectory import Event

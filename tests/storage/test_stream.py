@@ -15,7 +15,7 @@ from scipy.io import netcdf_file
 
 import rodgen
 from rodgen.integrate.files import netcdf, stream
-from rodgen.integrate.files.checksums import RunState
+from rodgen.integrate.files.file_layout import RunState
 from rodgen.integrate.files.stream import Stream
 from rodgen.model.terms import TERMS, THESIS_TERMS
 from tests.storage.conftest import STATS

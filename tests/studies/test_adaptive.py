@@ -11,9 +11,9 @@ import pytest
 import rodgen
 from rodgen import InputError
 from rodgen.studies import adaptive
-from rodgen.studies.point_results import evaluate
 from rodgen.studies.sampling import points_at
 from rodgen.studies.study import Study
+from rodgen.studies.task import evaluate
 from tests.studies.conftest import BECK, scene
 
 FORCE, TIME = "loads.follower.force", "loads.material_damping.time"

@@ -13,10 +13,10 @@ import rodgen
 from rodgen import InputError, Scene, Solution
 from rodgen.analyse.spectrum import find_peaks
 from rodgen.errors import AnalysisError
-from rodgen.studies import point_batch, point_runs, task
-from rodgen.studies.point_results import evaluate
+from rodgen.studies import point_arrays, point_runs, task
 from rodgen.studies.sampling import points_at
 from rodgen.studies.study import Study
+from rodgen.studies.task import evaluate
 from rodgen.system import System
 from tests.studies.conftest import BECK, PENDULUM, scene
 from tests.told import numbers
@@ -78,14 +78,14 @@ def test_blocks_and_their_order_do_not_matter(grid: Study) -> None:
 
 def test_what_has_a_slot_is_what_a_scene_makes_of_it(grid: Study) -> None:
     """To the bit; and what more follows from has none."""
-    names = point_batch.slot_names(grid)
+    names = point_arrays.slot_names(grid)
     assert names == ("parameters.A", "initial.phi", "rod.length")
     bodies = [{"name": "tip", "at": 1.0, "mass": 1.0, "offset": [0.1, 0.0]}]
     other = Study.of(scene(PENDULUM, bodies=bodies), {"rod.length": [1.0, 2.0]}, keep="last(tip_x)")
-    assert point_batch.slot_names(other) == ()
+    assert point_arrays.slot_names(other) == ()
     every = points_at(grid, range(grid.count))
-    (_, members), *_ = point_batch.group_by(every, ["integrate.rtol"])
-    share = point_batch.PointBatch.of(grid, every[0], names)
+    (_, members), *_ = point_arrays.group_by(every, ["integrate.rtol"])
+    share = point_arrays.PointBatch.of(grid, every[0], names)
     assert share is not None
     p, y, taken = share.rows([every[at] for at in members])
     assert all(taken)
@@ -99,12 +99,12 @@ def test_what_an_expression_makes_of_a_number_has_no_slot() -> None:
     """It may switch at a value that was not tried; and a law may have a value that it refuses."""
     switching = scene(PENDULUM, initial={"phi": "0.5 + s if A < 100 else 0.2"})
     study = Study.of(switching, {"parameters.A": [0.5, 1.0, 2.0, 200.0]}, keep=["last(tip_x)"])
-    assert point_batch.slot_names(study) == ()
+    assert point_arrays.slot_names(study) == ()
     alone = rodgen.simulate(study.scene_at({"parameters.A": 200.0}), target="c")
     np.testing.assert_allclose(computed(study)["last(tip_x)"][3], alone.tip[-1, 0], rtol=1e-7)
     divided = scene(PENDULUM, parameters={"A": 2.0}, loads={"tip": {"x": "sin(w*t)*(1/(A - 1))"}})
     study = Study.of(divided, {"parameters.A": [0.5, 1.0, 2.0, 3.0, 4.0]}, keep=["last(tip_x)"])
-    assert point_batch.slot_names(study) == ("parameters.A",)
+    assert point_arrays.slot_names(study) == ("parameters.A",)
     found = computed(study)
     assert found["status"].tolist() == ["finished", "failed", *["finished"] * 3]
     with pytest.raises(InputError) as refused:

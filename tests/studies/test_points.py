@@ -12,8 +12,7 @@ from scipy.stats import qmc
 
 from rodgen import Study
 from rodgen.studies.axis import read_axis
-from rodgen.studies.block_layout import Layout
-from rodgen.studies.sampling import points_at
+from rodgen.studies.sampling import Layout, points_at
 from tests.studies.conftest import BECK, scene
 
 VARY: dict[str, Any] = {

@@ -12,8 +12,8 @@ import tomli_w
 
 import rodgen
 from rodgen import InputError, Study
-from rodgen.studies.point_results import evaluate
 from rodgen.studies.sampling import points_at
+from rodgen.studies.task import evaluate
 from tests.cli.conftest import names
 from tests.studies.conftest import BECK, PENDULUM, scene
 from tests.told import refused

@@ -67,14 +67,14 @@ def test_a_point_that_never_ends_is_left(tmp_path: Path) -> None:
 
 @pytest.mark.slow
 def test_an_analysis_that_never_ends_is_left(monkeypatch: pytest.MonkeyPatch) -> None:
-    analysed = rodgen.studies.point_analyses.analyse
+    analysed = rodgen.studies.task.analyse
 
     def slow(what: str, system: System, *given: Any) -> Any:
         if system.value_of("parameters.A") == HANGS:
             _hang(600.0)
         return analysed(what, system, *given)
 
-    monkeypatch.setattr("rodgen.studies.point_analyses.analyse", slow)
+    monkeypatch.setattr("rodgen.studies.task.analyse", slow)
     rodgen.static_equilibrium(SCENE)  # whose module takes longer to be made than a point may
     vary = {"parameters.A": [1.0, HANGS]}
     found = rodgen.study(SCENE, vary, what="static", time_limit=LIMIT, workers=1)

@@ -16,8 +16,8 @@ from rodgen.derive.loads.point_force import LinkPoint, PointForce
 from rodgen.derive.proofs import DisagreementError, comparisons
 from rodgen.derive.symbols import joint, l, n, phi
 from rodgen.model import terms
-from rodgen.model.parameter import LINKS, Parameter
 from rodgen.model.rod import BOUNDARIES, INERTIAS
+from rodgen.model.term import LINKS, Parameter
 from tests.palette import cases
 
 SIZE = Symbol("side_force", real=True)

@@ -17,7 +17,7 @@ from PIL import Image, ImageSequence
 
 from rodgen.errors import InputError
 from rodgen.integrate import Solution
-from rodgen.integrate.files.checksums import NO_STATS
+from rodgen.integrate.files.file_layout import NO_STATS
 from rodgen.model.palette import LIGHT, colours_of
 from rodgen.scene import Scene
 from rodgen.show.animation.film import FrameRenderer, animate

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from rodgen.integrate import Solution
-from rodgen.integrate.files.checksums import NO_STATS
+from rodgen.integrate.files.file_layout import NO_STATS
 from rodgen.integrate.files.reader import solution_of
 from rodgen.integrate.files.result_file import ResultFile
 from rodgen.integrate.trajectory import Changes

@@ -21,7 +21,7 @@ from PIL import Image
 
 import rodgen
 from rodgen import display
-from rodgen.analyse.curves.curve_files import read, save
+from rodgen.analyse.curves.curve_datasets import read_curve, save_curve
 from rodgen.dataset_result import register_notebook_display
 from rodgen.display import Plottable, Tabular
 from rodgen.errors import InputError
@@ -269,7 +269,7 @@ def test_notebooks_show_datasets_with_picture_and_table() -> None:
 
 def test_a_branch_in_a_file_is_drawn_as_it_was(tmp_path: Path) -> None:
     data = branch()
-    save(data, tmp_path / "branch.nc")
-    again = read(tmp_path / "branch.nc", "file", "a branch", data.attrs["format"])
+    save_curve(data, tmp_path / "branch.nc")
+    again = read_curve(tmp_path / "branch.nc", "file", "a branch", data.attrs["format"])
     lines = [one.rodgen.plot().get_lines()[0].get_xydata() for one in (data, again)]
     assert np.array_equal(*lines)

@@ -12,11 +12,15 @@ import rodgen
 from rodgen.integrate import Solution
 from rodgen.model.terms import TERMS, axis_label
 from rodgen.scene import Scene
-from rodgen.show.phase_picture import phase_plot
-from rodgen.show.run_pictures import energies, trajectories
-from rodgen.show.shape_picture import shapes
+from rodgen.show.run_pictures import energies, phase_plot, trajectories
 from rodgen.show.summary import summary
-from rodgen.show.time_pictures import force_intervals, moment_map, tail_deflection, tail_history
+from rodgen.show.time_pictures import (
+    force_intervals,
+    moment_map,
+    shapes,
+    tail_deflection,
+    tail_history,
+)
 from tests.live.conftest import ROD
 from tests.told import numbers
 

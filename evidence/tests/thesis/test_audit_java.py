@@ -14,7 +14,7 @@ import sympy
 from sympy import Expr, Matrix, Rational, S, expand, expand_trig
 
 import rodgen
-from rodgen.integrate.methods.fixed_step import explicit_step
+from rodgen.integrate.methods.python_steppers import explicit_step
 from rodgen.model.methods import TABLEAUX
 from rodgen_evidence.thesis.audit.audit import listing_claims
 from rodgen_evidence.thesis.audit.claim import Claim, Finding, Verdict, judge

@@ -8,7 +8,7 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from rodgen.analyse.analysis_guard import guard_analysis
+from rodgen.analyse.analysis_guard import Bounds, OpenBounds, check_open_bounds, guard_analysis
 from rodgen.analyse.eigenvalue_check import (
     ALIKE,
     find_contradiction,
@@ -18,9 +18,8 @@ from rodgen.analyse.eigenvalue_check import (
 from rodgen.analyse.load_family import BASIS, HIGHEST, LoadFamily, load_family
 from rodgen.analyse.load_search import LoadSearch, StabilityChange, load_grid
 from rodgen.analyse.modal import DIVERGENCE, FLUTTER, MOST_DENSE, rounding_growth
-from rodgen.analyse.onset import At, Onset, solve_onset
+from rodgen.analyse.onset import At, Onset, solve_onset, solve_zero_onset
 from rodgen.analyse.pencil import BlockPencil, DensePencil
-from rodgen.analyse.ranges import Bounds, OpenBounds, check_open_bounds
 from rodgen.analyse.scaled_load import (
     FOLLOWER,
     GROUPS,
@@ -30,8 +29,7 @@ from rodgen.analyse.scaled_load import (
     unit_of,
 )
 from rodgen.analyse.simulated_critical import SimulatedCritical, find_difference, simulate_critical
-from rodgen.analyse.state_result import TIME, StateResult
-from rodgen.analyse.zero_onset import solve_zero_onset
+from rodgen.analyse.steady_rod import TIME, StateResult
 from rodgen.display import Plottable
 from rodgen.errors import AnalysisError, InputError
 from rodgen.result import (

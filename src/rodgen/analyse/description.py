@@ -12,8 +12,7 @@ from typing import Any
 
 import numpy as np
 
-from rodgen.analyse.analysis_guard import guard_analysis
-from rodgen.analyse.memory_needs import SHOW, check_analysis_memory
+from rodgen.analyse.analysis_guard import SHOW, check_analysis_memory, guard_analysis
 from rodgen.arrays import Array
 from rodgen.integrate.diagnosis import drift_doubt
 from rodgen.integrate.methods.method_choice import Choice, choose, describe_motion, fastest_motion

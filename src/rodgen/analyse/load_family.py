@@ -12,10 +12,9 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import null_space
 
+from rodgen.analyse.analysis_guard import CRITICAL, check_analysis_memory
 from rodgen.analyse.eigenvalues import Complex, all_shapes, lowest_shapes
-from rodgen.analyse.memory_needs import CRITICAL, check_analysis_memory
-from rodgen.analyse.modal import MOST_DENSE, ModalEquations, ModalMotions
-from rodgen.analyse.neutral_motions import NONE, NeutralMotions
+from rodgen.analyse.modal import MOST_DENSE, NONE, ModalEquations, ModalMotions, NeutralMotions
 from rodgen.analyse.pencil import BlockPencil, DensePencil, MatrixPencil
 from rodgen.analyse.scaled_load import ScaledLoad, default_load, find_term
 from rodgen.analyse.steady_rod import SteadyRod, state_after
@@ -90,7 +89,7 @@ class LoadFamily:
         if self.rod.has_feedback or self.rod.has_supports:
             here = self.linearise(force)
             assert not isinstance(here, BlockPencil)
-            return MatrixPencil.of(here)
+            return MatrixPencil(*here.parts, here.terms)
         pencil = state.pencil()
         return (
             MatrixPencil.without_rotation(pencil, state.rigid_rotation)

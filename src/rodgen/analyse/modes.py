@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from rodgen.analyse.analysis_guard import guard_analysis
+from rodgen.analyse.analysis_guard import MODES, check_analysis_memory, guard_analysis
 from rodgen.analyse.eigenvalues import (
     MOST_DENSE,
     EigenSolution,
@@ -18,11 +18,9 @@ from rodgen.analyse.eigenvalues import (
     refine_eigenvalues,
 )
 from rodgen.analyse.equilibrium_equations import free_directions
-from rodgen.analyse.memory_needs import MODES, check_analysis_memory
 from rodgen.analyse.modal import CRUDE, ROUNDING
 from rodgen.analyse.pencil import BlockPencil, DensePencil
-from rodgen.analyse.state_result import TIME, StateResult
-from rodgen.analyse.steady_rod import SteadyRod, state_after
+from rodgen.analyse.steady_rod import TIME, StateResult, SteadyRod, state_after
 from rodgen.analyse.steady_state import SteadyState, find_steady_state, linearise
 from rodgen.arrays import Array
 from rodgen.display import Plottable

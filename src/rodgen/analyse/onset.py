@@ -1,4 +1,6 @@
-"""Onset of instability, to the last digits: Newton's method on the equations of a crossing."""
+"""Onset of instability, to the last digits: Newton's method on the equations of a crossing; and, of
+a rod with neutral motions, the eigenvalue that goes through zero beside theirs.
+"""
 
 from __future__ import annotations
 
@@ -6,6 +8,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
+from scipy.optimize import brentq
 
 from rodgen.analyse.crossing import Border, CrossingEquations, crossing_kind
 from rodgen.analyse.modal import ROUNDING
@@ -20,6 +23,9 @@ SMALL = 1e-7  # relative change below which one that no longer shrinks is roundi
 ROUNDED = 8.0  # times what rounding makes, within which a change that no longer shrinks is rounding
 APART = 0.05  # by which an estimate may be wrong
 ENTRY = 16 * ROUNDING  # of an entry of the matrices, which a few operations make
+
+WIDER = 4.0  # times the way to either side in which an onset is looked for
+CLOSE = 1e-13  # of a load: rounding
 
 
 @dataclass(frozen=True)
@@ -103,3 +109,28 @@ class _OnsetEquations:
 
     def _scaled_pencil(self, force: float) -> MatrixPencil:
         return MatrixPencil.of(self.at(float(force))).scale(self.scales)
+
+
+def solve_zero_onset(matrix: Callable[[float], Array], near: Onset, unit: float) -> Onset:
+    """Find the onset next to an estimate; its error is rounding of the determinant. matrix: of
+    first order under a load, without the neutral motions; unit: a typical size of the load. Raises
+    AnalysisError."""
+    beyond = float(np.linalg.slogdet(matrix(near.force))[1])
+
+    def eigenvalue_product(force: float) -> float:
+        """Product of all eigenvalues, over that at the estimate."""
+        sign, size = np.linalg.slogdet(matrix(force))
+        return float(sign * np.exp(size - beyond))
+
+    size = max(abs(near.force), unit)
+    apart = max(near.error, CLOSE * size)
+    while apart < APART * size:
+        low, high = near.force - apart, near.force + apart
+        ends = eigenvalue_product(low), eigenvalue_product(high)
+        if ends[0] * ends[1] < 0:
+            force = float(brentq(eigenvalue_product, low, high, xtol=CLOSE * size))
+            slope = abs(ends[1] - ends[0]) / (high - low)
+            error = len(matrix(force)) * ROUNDING * max(map(abs, ends)) / slope
+            return Onset(force, 0j, max(error, CLOSE * abs(force)))
+        apart *= WIDER
+    raise AnalysisError(no_onset_message(near.force))

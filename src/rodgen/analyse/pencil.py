@@ -17,8 +17,8 @@ from scipy.sparse import block_array, csc_array, issparse
 from rodgen.analyse.steady_rod import SteadyRod, Unknowns
 from rodgen.arrays import Array
 from rodgen.errors import AnalysisError
-from rodgen.integrate import block_tridiagonal as banded
-from rodgen.integrate.block_tridiagonal import Matrix, block_entries
+from rodgen.integrate import constraint_forces as banded
+from rodgen.integrate.constraint_forces import Matrix, block_entries
 
 Scales = tuple[Array, Array]
 NUDGE = 2.0**-52  # of the largest entry: a rounding

@@ -1,8 +1,10 @@
-"""The load whose size is varied in a search for critical loads: its parameters and units."""
+"""Numbers that an analysis varies: the load whose size is sought at an onset, its parameters and
+units; and a rod as a function of one parameter, a number of its scene or the share of its loads.
+"""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -12,13 +14,15 @@ from rodgen.errors import InputError, Missing
 from rodgen.model.term import WEIGHT, Term
 from rodgen.model.terms import TERMS
 from rodgen.scene import Scene
-from rodgen.system import System
+from rodgen.system import ParameterLine, ParameterRange, System
 
 FOLLOWER, FOLLOWERS, ALL = "follower", "followers", "all"
 # Several loads that are scaled by one factor.
 GROUPS = {FOLLOWERS: "factor of all follower forces", ALL: "factor of all loads"}
 # What a critical load is asked for by: the table of a load, of several the name, or a group.
 SCALABLE = (*(term.table for term in TERMS.values() if term.size_parameters), *GROUPS)
+
+LOADS = "loads.", "foundation.", "supports.", "rod.bending_stiffness"
 
 
 def find_term(load: str) -> Term | None:
@@ -121,3 +125,29 @@ def _force_per_size(term: Term, scene: Scene) -> float:
     if term.is_distributed:
         return scene.rod.length / scene.rod.links
     return scene.mass if term.kind == WEIGHT else 1.0
+
+
+@dataclass(frozen=True)
+class RodRange:
+    """Rod along a range of numbers; base: at one of the values, or under all of its loads."""
+
+    base: SteadyRod
+    numbers: ParameterRange | ParameterLine
+
+    @classmethod
+    def of_load(cls, rod: SteadyRod) -> RodRange:
+        """Range of the share of its loads that a rod bears, from none to all."""
+        system = rod.system
+        terms = [TERMS[name] for name in system.structure.loads]
+        names = {one.name for term in terms for one in term.scaling_parameters}
+        parts = {name: system.value(name) for name in names & system.structure.slices.keys()}
+        return cls(rod, ParameterLine.of(system, parts))
+
+    def rod(self, value: float) -> SteadyRod:
+        """Rod at a value. Raises AnalysisError where there is none."""
+        numbers = self.numbers
+        if isinstance(numbers, ParameterLine):
+            return self.base
+        if numbers.is_only_in_parameters and numbers.key.startswith(LOADS):
+            return self.base  # its straight shape, and all else that is not in p, stays
+        return replace(self.base, system=numbers.at(value))

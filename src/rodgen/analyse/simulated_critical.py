@@ -11,9 +11,8 @@ from typing import Any
 
 import numpy as np
 
-from rodgen.analyse.analysis_guard import guard_analysis
+from rodgen.analyse.analysis_guard import OpenBounds, check_open_bounds, guard_analysis
 from rodgen.analyse.load_family import HIGHEST, LoadFamily, load_family
-from rodgen.analyse.ranges import OpenBounds, check_open_bounds
 from rodgen.analyse.steady_rod import Unknowns
 from rodgen.arrays import Array
 from rodgen.errors import AnalysisError, InputError

@@ -8,8 +8,14 @@ import numpy as np
 
 from rodgen.analyse.eigenvalues import Complex, all_shapes, lowest_shapes
 from rodgen.analyse.load_family import RIGID
-from rodgen.analyse.modal import DIVERGENCE, FLUTTER, MOST_DENSE, ModalEquations, ModalMotions
-from rodgen.analyse.neutral_motions import NeutralMotions
+from rodgen.analyse.modal import (
+    DIVERGENCE,
+    FLUTTER,
+    MOST_DENSE,
+    ModalEquations,
+    ModalMotions,
+    NeutralMotions,
+)
 from rodgen.analyse.pencil import BlockPencil, DensePencil
 from rodgen.analyse.steady_state import SteadyState, linearise
 from rodgen.arrays import Array

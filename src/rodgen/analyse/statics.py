@@ -6,14 +6,12 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from rodgen.analyse.analysis_guard import guard_analysis
+from rodgen.analyse.analysis_guard import STATIC, check_analysis_memory, guard_analysis
 from rodgen.analyse.equilibrium_equations import free_directions
 from rodgen.analyse.equilibrium_search import check_imperfection, find_equilibrium
-from rodgen.analyse.memory_needs import STATIC, check_analysis_memory
 from rodgen.analyse.modal import DIVERGENCE
 from rodgen.analyse.small_motions import instability
-from rodgen.analyse.state_result import TIME, StateResult
-from rodgen.analyse.steady_rod import SteadyRod
+from rodgen.analyse.steady_rod import TIME, StateResult, SteadyRod
 from rodgen.analyse.steady_state import SteadyState
 from rodgen.arrays import Array
 from rodgen.display import Plottable

@@ -45,7 +45,8 @@ def own_commands() -> dict[str, Callable[..., object]]:
 def make_app() -> typer.Typer:
     """Make the application: rodgen's commands, those of installed packages, and for those of
     evidence/ that are not installed how to get them."""
-    added = {entry.name: entry for entry in entry_points(group=GROUP)}
+    entries = sorted(entry_points(group=GROUP), key=_is_own)  # another cannot take its place
+    added = {entry.name: entry for entry in entries}
     missing = [name for name in EVIDENCE if name not in added]
     app = typer.Typer(
         help="Derive, prove, generate and integrate the equations of motion of planar flexible "
@@ -66,6 +67,10 @@ def make_app() -> typer.Typer:
         _add_unavailable(app, name, f"{name} is not installed: {HOW}", hidden=True)
     app.callback(invoke_without_command=True)(_run_without_command)
     return app
+
+
+def _is_own(entry: EntryPoint) -> bool:
+    return entry.dist is not None and entry.dist.name == "rodgen"
 
 
 def _add_from_package(app: typer.Typer, entry: EntryPoint) -> None:

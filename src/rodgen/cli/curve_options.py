@@ -118,7 +118,7 @@ def follow_curve(
     default the picture that its Dataset has; file_stem: stem of the file that is written, by
     default that of the file.
     """
-    from rodgen.analyse.curves.curve_files import save
+    from rodgen.analyse.curves.curve_datasets import save_curve
 
     with output_folder(file and file.parent):
         data, interrupted = _follow_to_end(what, begun.journal, follow)
@@ -128,7 +128,7 @@ def follow_curve(
         if file is not None:
             written = file if file_stem is None else file.with_stem(file_stem(data))
             kept = f"{count} point{'s' * (count > 1)} in {written}; --resume {file} goes on"
-            save(data, written)
+            save_curve(data, written)
             out.print(f"Written: {written}")
             if not interrupted:
                 _discard(begun.journal)

@@ -12,10 +12,10 @@ from pathlib import Path
 from rodgen.cli.console import err, print_result, warn, write_picture
 from rodgen.cli.exits import call_at_end
 from rodgen.errors import EmptyPictureError, InputError
-from rodgen.integrate.files.checkpoint import checkpoint_path
-from rodgen.integrate.files.checksums import RUNNING
+from rodgen.integrate.files.file_layout import RUNNING
 from rodgen.integrate.files.result_file import ResultFile, open_header
-from rodgen.integrate.run_status import INTERRUPTED
+from rodgen.integrate.files.saver import checkpoint_path
+from rodgen.integrate.stepper import INTERRUPTED
 from rodgen.result import Result
 from rodgen.scene import Scene
 from rodgen.scene.integration import AUTO

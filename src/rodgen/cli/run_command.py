@@ -26,8 +26,7 @@ from rodgen.cli.result_folders import (
 )
 from rodgen.emit.targets import TARGETS
 from rodgen.integrate import Interrupted, RunError, Solution, resume, simulate
-from rodgen.integrate.files.checkpoint import checkpoint_path
-from rodgen.integrate.files.saver import check_interval
+from rodgen.integrate.files.saver import check_interval, checkpoint_path
 from rodgen.integrate.methods.compiled_integrator import initial_parts
 from rodgen.integrate.simulate import add_error_growth, check_samples
 from rodgen.loading import build, build_or_explain, companions, sources

@@ -41,8 +41,8 @@ from rodgen.emit.statements import (
     Element,
     Elements,
     Statement,
+    Tangents,
 )
-from rodgen.emit.tangents import Tangents
 
 INDICES = (i, j, joint, s, other, DIRECTION)
 # Cosine and sine of every angle are computed once, whoever uses them.

@@ -9,7 +9,7 @@ import numpy as np
 
 from rodgen.scene.grammar import Language
 from rodgen.scene.law import POINTS, WEIGHTS
-from rodgen.scene.number_names import mass_name
+from rodgen.scene.literals import mass_name
 from rodgen.scene.structure import Structure
 
 OWN, RATE = "own_mass", "_rate"

@@ -18,8 +18,8 @@ from rodgen.emit.outputs import Functions
 from rodgen.emit.program import AnalysedFunction
 from rodgen.emit.statements import PAIR, Program
 from rodgen.emit.targets import TARGETS, check_output, required_parts, target_of
-from rodgen.model.parameter import JOINTS, POSITIVE, ROWS, Parameter
 from rodgen.model.rod import NONUNIFORM
+from rodgen.model.term import JOINTS, KNOTS, POSITIVE, Parameter
 from rodgen.model.terms import TERMS
 from rodgen.progress import EMITTING, report_stage
 from rodgen.scene.grammar import NUMPY
@@ -273,7 +273,7 @@ def _array_context(parameter: Parameter, span: range, place: slice) -> dict[str,
         "number": "N + 1" if parameter.each == JOINTS else str(len(span)),
         "rule": parameter.rule,
         "each": f"one for every {parameter.each}",
-        "table": parameter.each == ROWS,
+        "table": parameter.each == KNOTS,
         "default": parameter.default,
     }
 

@@ -1,4 +1,4 @@
-"""Forces in the joints of a moving rod, by derivation 3.
+"""Forces in the joints of a moving rod, by derivation 3, and its block-tridiagonal systems.
 
 The equations that keep the joint forces as unknowns (`implicit` of a generated module) are linear
 in them and in the angular accelerations, block by block from link to link: in every state both
@@ -7,12 +7,17 @@ follow from one solve of O(n).
 
 from __future__ import annotations
 
+from functools import lru_cache
 from types import ModuleType
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
+from scipy.linalg import solve_banded
 
 from rodgen.arrays import Array
-from rodgen.integrate.block_tridiagonal import solve_blocks
+
+Matrix = NDArray[Any]
 
 
 def forces_per_mass(model: ModuleType, t: Array, y: Array, p: Array) -> Array:
@@ -33,3 +38,26 @@ def forces_per_mass(model: ModuleType, t: Array, y: Array, p: Array) -> Array:
         if np.isfinite(residual).all() and np.isfinite(by_unknown).all():
             found[row] = -solve_blocks(by_unknown, residual.ravel()).reshape(cells, 3)[:, 1:]
     return found.reshape(*y.shape[:-1], cells, 2)
+
+
+@lru_cache(maxsize=32)
+def block_entries(cells: int, rows: int, columns: int) -> tuple[Matrix, Matrix, Matrix]:
+    """Mask of the entries of blocks (3, cells, rows, columns) inside the matrix, and their rows and
+    columns there; the blocks of a cell are by the one before, itself and the one after."""
+    offset, cell, row, column = np.indices((3, cells, rows, columns))
+    other = cell + offset - 1
+    there = (other >= 0) & (other < cells)
+    return there, (rows * cell + row)[there], (columns * other + column)[there]
+
+
+def solve_blocks(blocks: Matrix, right: Matrix, transposed: bool = False) -> Matrix:
+    """Solve a block-tridiagonal system of square blocks for right, (size,) or (size, k), in O(n).
+    Raises numpy.linalg.LinAlgError."""
+    _, cells, size, _ = blocks.shape
+    there, rows, columns = block_entries(cells, size, size)
+    if transposed:
+        rows, columns = columns, rows
+    width = 2 * size - 1
+    band = np.zeros((2 * width + 1, size * cells), dtype=blocks.dtype)
+    band[width + rows - columns, columns] = blocks[there]
+    return np.asarray(solve_banded((width, width), band, right, check_finite=False))

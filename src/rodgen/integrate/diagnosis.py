@@ -10,10 +10,9 @@ from numpy.typing import NDArray
 
 from rodgen.arrays import Array
 from rodgen.errors import shorten
-from rodgen.integrate.integrator import Integrator
 from rodgen.integrate.methods.method_choice import tolerance_doubt
 from rodgen.integrate.stability import step_doubt
-from rodgen.integrate.stretches import Pole
+from rodgen.integrate.stretches import Integrator, Pole
 from rodgen.model.methods import COLLOCATION
 from rodgen.model.terms import TERMS
 from rodgen.result import Note, doubt

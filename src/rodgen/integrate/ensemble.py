@@ -9,8 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rodgen.arrays import Array
-from rodgen.integrate.crossings import CrossingResults
-from rodgen.integrate.run_status import FINISHED
+from rodgen.integrate.reductions import CrossingResults
+from rodgen.integrate.stepper import FINISHED
 from rodgen.result import Result, Row, omit_from_tables
 
 

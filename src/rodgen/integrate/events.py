@@ -23,7 +23,7 @@ from rodgen.integrate.quantity_formulas import MotionSlice
 from rodgen.integrate.stepper import ChatterError, Interpolant
 from rodgen.loading.generated_module import structure_of
 from rodgen.model.quantities import find_quantity
-from rodgen.scene.event import EventTable
+from rodgen.scene.integration import EventTable
 from rodgen.scene.time_laws import BENDS, Switch
 
 STATES, SIGNALS = "", "signals"  # in place of a quantity: the state itself, what laws follow

@@ -12,9 +12,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rodgen.arrays import Array
-from rodgen.integrate.crossings import Crossing, CrossingTable, WeightedSums
 from rodgen.integrate.methods.compiled_integrator import FAILURES
-from rodgen.integrate.reductions import Reduction
+from rodgen.integrate.reductions import Crossing, CrossingTable, Reduction, WeightedSums
 from rodgen.integrate.stretches import (
     CREEP,
     CREPT,

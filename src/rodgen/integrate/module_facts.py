@@ -12,16 +12,14 @@ from numpy.typing import NDArray
 
 from rodgen.arrays import Array
 from rodgen.errors import InputError, Missing
-from rodgen.integrate.crossings import Crossing
 from rodgen.integrate.lane_runs import LaneRows, ReductionPlan, StretchTable, can_use_lanes
-from rodgen.integrate.mass_jumps import has_mass_jumps
 from rodgen.integrate.quantity_formulas import loads_at_work
-from rodgen.integrate.reductions import Numbers, Reduction, parse_all
-from rodgen.integrate.stretches import Stretches
+from rodgen.integrate.reductions import Crossing, Numbers, Reduction, parse_all
+from rodgen.integrate.stretches import Stretches, has_mass_jumps
 from rodgen.loading.generated_module import structure_of
 from rodgen.memory import check_memory
-from rodgen.model.parameter import ANY, NOT_NEGATIVE, POSITIVE, ROWS
 from rodgen.model.rod import BOUNDARIES
+from rodgen.model.term import ANY, KNOTS, NOT_NEGATIVE, POSITIVE
 from rodgen.native.native_batch import Lanes
 from rodgen.scene.distribution import Distribution
 from rodgen.scene.expression import Expression
@@ -248,7 +246,7 @@ class ModuleFacts:
                 raise InputError(f"p.{name}", Missing(), "given")
             count = places[name].stop - places[name].start if row.is_array else 0
             made[name] = _check_column(f"p.{name}", value, count, row.rule)
-            if row.each == ROWS and (np.diff(made[name][:, : count // 2]) <= 0).any():
+            if row.each == KNOTS and (np.diff(made[name][:, : count // 2]) <= 0).any():
                 raise InputError(f"p.{name}", value, "knots that ascend, and then their values")
         rods = {len(column) for column in made.values() if len(column) != 1}
         if len(rods) > 1:

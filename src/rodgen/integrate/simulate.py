@@ -12,24 +12,17 @@ from typing import Any, Unpack
 import numpy as np
 
 from rodgen.errors import InputError
+from rodgen.integrate.dense_output import error_growth as growth_of
 from rodgen.integrate.diagnosis import failure_message, step_doubts
-from rodgen.integrate.error_growth import error_growth as growth_of
 from rodgen.integrate.events import EventDetector
 from rodgen.integrate.files.saver import IN_MEMORY, Saver
-from rodgen.integrate.integrator import EventStop
 from rodgen.integrate.methods.compiled_integrator import initial_parts
 from rodgen.integrate.methods.method_choice import choose, make_integrator
 from rodgen.integrate.quantity_formulas import loads_at_work
 from rodgen.integrate.recorder import Recorder
-from rodgen.integrate.run_status import (
-    FAILED,
-    FINISHED,
-    INTERRUPTED,
-    event_message,
-)
 from rodgen.integrate.solution import Interrupted, RunError, Solution
-from rodgen.integrate.stepper import Stats, StepError
-from rodgen.integrate.stretches import Stretches
+from rodgen.integrate.stepper import FAILED, FINISHED, INTERRUPTED, Stats, StepError, event_message
+from rodgen.integrate.stretches import EventStop, Stretches
 from rodgen.integrate.trajectory import Event
 from rodgen.memory import check_memory, format_gigabytes, is_small, memory_limit
 from rodgen.native.library import DeferredInterrupt

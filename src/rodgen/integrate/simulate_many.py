@@ -15,19 +15,16 @@ from pydantic import ValidationError
 from rodgen.arrays import Array
 from rodgen.errors import InputError, Missing, check_type
 from rodgen.integrate import lane_runs
-from rodgen.integrate.crossings import Crossing
 from rodgen.integrate.diagnosis import advice
 from rodgen.integrate.ensemble import Ensemble
 from rodgen.integrate.events import EventDetector
-from rodgen.integrate.integrator import Integrator
 from rodgen.integrate.methods.method_choice import choose, make_integrator
 from rodgen.integrate.module_facts import ModuleFacts, facts_of
 from rodgen.integrate.quantity_formulas import MotionSlice
 from rodgen.integrate.recorder import Recorder
-from rodgen.integrate.reductions import Reduction
-from rodgen.integrate.run_status import FAILED, FINISHED, event_message
-from rodgen.integrate.stepper import StepError
-from rodgen.integrate.stretches import Stretches
+from rodgen.integrate.reductions import Crossing, Reduction
+from rodgen.integrate.stepper import FAILED, FINISHED, StepError, event_message
+from rodgen.integrate.stretches import Integrator, Stretches
 from rodgen.model.methods import METHODS
 from rodgen.native.native_batch import REACHED, STOPPED
 from rodgen.scene import Scene

@@ -15,7 +15,7 @@ from scipy.optimize import brentq
 from scipy.sparse.linalg import ArpackError, ArpackNoConvergence, LinearOperator, eigs
 
 from rodgen.arrays import Array
-from rodgen.integrate.methods.fixed_step import explicit_step
+from rodgen.integrate.methods.python_steppers import explicit_step
 from rodgen.integrate.stepper import StepError
 from rodgen.model.methods import METHODS, Tableau, stability_polynomial
 from rodgen.model.rod import BOUNDARIES

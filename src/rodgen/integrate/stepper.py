@@ -1,4 +1,6 @@
-"""Interface of steppers, the methods in Python, their initial value problem and its costs."""
+"""Interface of steppers, the methods in Python: their initial value problem, costs, and how runs
+end.
+"""
 
 from __future__ import annotations
 
@@ -40,12 +42,20 @@ class Counts:
         return self
 
 
-@dataclass
-class Stats(Counts):
-    """Cost of a run: its counts, and wall_seconds: time by the clock [s]; target: of the module
-    that ran, "c" or "numpy", empty where it is not known."""
+@dataclass(frozen=True)
+class Stats:
+    """Cost of a run, by SciPy's names.
 
-    wall_seconds: float = 0.0
+    nsteps, rejected, nfev, njev, nlu: as of Counts; wall_seconds: time by the clock [s]; target: of
+    the module that ran, "c" or "numpy", empty where it is not known.
+    """
+
+    nsteps: int
+    rejected: int | None
+    nfev: int
+    njev: int
+    nlu: int
+    wall_seconds: float
     target: str = ""
 
     @classmethod
@@ -101,6 +111,13 @@ class ChatterError(StepError):
         return type(self), (self.cause,)
 
 
+FINISHED, FAILED, INTERRUPTED = "finished", StepError.status, "interrupted"
+CHATTERS = ChatterError.status
+TOO_LONG = "too long"  # of a point of a study
+ENDED = (FINISHED, FAILED, CHATTERS)  # and cannot be gone on with
+NO_RESULT = (FAILED, CHATTERS, TOO_LONG)
+
+
 class Stepper(Protocol):
     """Interface of steppers: a method in Python between two break points."""
 
@@ -133,3 +150,8 @@ def hermite(t0: float, y0: Array, f0: Array, t1: float, y1: Array, f1: Array) ->
         return ends - x * rest * bend
 
     return at
+
+
+def event_message(t: float, name: str) -> str:
+    """Message of a run that an event has ended at a time [s]."""
+    return f"ended at t = {t:.12g} s by the event {name!r}"

@@ -1,21 +1,37 @@
-"""Stretches of a run between times that steps must meet, up to its end or a pole of a load."""
+"""Stretches of a run between times that steps must meet, and the interface of integrators, which
+take the steps, samples and events of a stretch.
+
+At a jump of a mass the motion goes on. What leaves has the velocity and the height of its place, so
+that the energy which it takes along is the difference of the rod's energies with the masses before
+and after, in one and the same state. In a stretch between two break points the work of emptying is
+the integral of its power; at the ends of stretches these differences are added. A sample at a break
+point has the masses of that very time.
+"""
 
 from __future__ import annotations
 
+import math
+from bisect import bisect_left, bisect_right
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass, replace
+from types import ModuleType
+from typing import Any, Protocol
 
 import numpy as np
+from numpy.typing import NDArray
 
+from rodgen.arrays import Array
 from rodgen.errors import InputError
 from rodgen.integrate.events import EventDetector
-from rodgen.integrate.integrator import Integrator
 from rodgen.integrate.recorder import Recorder
-from rodgen.integrate.stepper import StepError
+from rodgen.integrate.stepper import Counts, StepError
+from rodgen.loading.generated_module import call_module, structure_of
 from rodgen.scene import Scene
 from rodgen.scene.expression import Expression
 from rodgen.scene.time_laws import TimeLaws
 from rodgen.system import System
+
+State = dict[str, NDArray[Any]]
 
 NEAREST = 64  # roundings of the time before a pole, where steps end: at the pole is no state
 STRIDE, CREEP = 10_000, 1e-9  # so many steps go at least this share of the way
@@ -26,6 +42,67 @@ WAKES = 1e-4  # share of the span around a break point in which a pulse is met a
 
 Pulse = tuple[float, float, float]  # begin, peak and end [s]
 Pole = tuple[float, Expression] | None
+
+EMPTYING_ROW = -1  # of works: that of emptying is the last
+
+
+class EventStop(Exception):  # noqa: N818, an event is no error
+    """An event, by its number in the scene, ends the run at a time [s]."""
+
+    def __init__(self, number: int, t: float):
+        super().__init__(number, t)
+        self.number, self.t = number, t
+
+
+class Integrator(Protocol):
+    """Interface of integrators: a method on its way through a run, in C or in Python."""
+
+    @property
+    def t(self) -> float:
+        """Time that it has reached [s]."""
+        ...
+
+    @property
+    def y(self) -> Array:
+        """State at this time."""
+        ...
+
+    @property
+    def end(self) -> float:
+        """End of the present stretch [s]."""
+        ...
+
+    @property
+    def load_times(self) -> list[float]:
+        """Times [s] at which loads were evaluated of late."""
+        ...
+
+    @property
+    def counts(self) -> Counts:
+        """Steps and evaluations so far."""
+        ...
+
+    def begin(self, end: float, low: float, high: float, longest: float) -> None:
+        """Begin a stretch up to end [s]. Loads are evaluated between low and high; longest: largest
+        step [s] of methods that choose theirs. Raises StepError."""
+        ...
+
+    def advance(self, recorder: Recorder, watch: EventDetector, most: int) -> bool:
+        """Take at most so many steps, for a few hundredths of a second; True at the end of the
+        stretch. Raises StepError, and EventStop where an event ends the run."""
+        ...
+
+    def works(self, recorder: Recorder) -> Array:
+        """Work of every load since the start [J], (works,); put into the samples so far too."""
+        ...
+
+    def state(self) -> State:
+        """Arrays from which it goes on to the same bits; ValueError where there can be none."""
+        ...
+
+    def restore(self, state: State) -> None:
+        """Restore arrays of `state`, before `begin` or in the stretch that they were taken in."""
+        ...
 
 
 @dataclass(frozen=True)
@@ -53,9 +130,10 @@ class Stretches:
         ends = [*(at for at in breaks if start < at < last), *([last] if last > start else [])]
         return cls(ends, pole, swing)
 
-    def until(self, end: float) -> Stretches:
-        """Stretches up to an earlier end [s]."""
-        return replace(self, ends=[*(at for at in self.ends if at < end), end], pole=None)
+    def between(self, start: float, end: float) -> Stretches:
+        """Stretches from a start to an earlier end [s]."""
+        inner = self.ends[bisect_right(self.ends, start) : bisect_left(self.ends, end)]
+        return replace(self, ends=[*inner, end], pole=None)
 
     def walk(
         self,
@@ -177,3 +255,44 @@ class Windows:
 def with_span(scene: Scene, start: float, end: float) -> Scene:
     """Scene with another span, which is not validated."""
     return scene.with_settings(scene.integrate.model_copy(update={"span": [start, end]}))
+
+
+class MassJumps:
+    """Energy that jumps of the masses of a rod add to the work of emptying, as its run goes from
+    stretch to stretch. Zero in between, and where nothing can jump."""
+
+    def __init__(self, model: ModuleType, p: Array):
+        self._model, self._p = model, p
+        self._possible = has_mass_jumps(model)
+        self._high, self._end = math.nan, math.nan
+
+    def begin(self, t: float, y: Array, end: float, low: float, high: float) -> float:
+        """Begin a stretch, and return the energy [J] that comes with the masses at its start, time
+        t in state y. end: of the stretch; low, high: bounds of the times of its masses."""
+        before = self._high if self._end == t else t
+        self.resume_stretch(end, high)
+        return self._energy_gain(before, low, y)
+
+    def resume_stretch(self, end: float, high: float) -> None:
+        """Continue in a stretch that was begun before."""
+        self._end, self._high = end, high
+
+    def gain_at_end(self, t: float, y: Array) -> float:
+        """Energy [J] that comes by time t itself with masses that jump there, in state y, where the
+        stretch ends then; else zero."""
+        return self._energy_gain(self._high, t, y) if t == self._end else 0.0
+
+    def _energy_gain(self, before: float, after: float, y: Array) -> float:
+        """Energy [J] of a state with the masses of time after, less that with those of before."""
+        if not self._possible:
+            return 0.0
+        gained = self._energy(after, y) - self._energy(before, y)
+        return gained if math.isfinite(gained) else 0.0
+
+    def _energy(self, t: float, y: Array) -> float:
+        return float(sum(call_module(self._model, "energy", t, y, self._p)))
+
+
+def has_mass_jumps(model: ModuleType) -> bool:
+    """Whether the law of a mass of a module compares something, so that the mass may jump."""
+    return any(law.corners() for law in structure_of(model).open_masses.values())

@@ -15,10 +15,9 @@ from rodgen.arrays import Array
 from rodgen.integrate.stepper import Counts
 from rodgen.live.plot_quantities import motion_of
 from rodgen.live.sample_store import Chunk
-from rodgen.model.parameter import JOINTS, Parameter, typeset
 from rodgen.model.quantities import Index, Quantity, find_quantity
 from rodgen.model.rod import CLAMP_ANGLE, MASS_PER_LENGTH, ROD
-from rodgen.model.term import WEIGHT
+from rodgen.model.term import JOINTS, WEIGHT, Parameter, typeset
 from rodgen.model.terms import EMPTYING, PARAMETERS, PULL, TERMS
 from rodgen.scene import Scene, spring_law
 from rodgen.scene.integration import AUTO, IntegrationTable

@@ -16,7 +16,6 @@ from rodgen.integrate.quantity_formulas import MotionSlice, loads_at_work
 from rodgen.live.sample_store import Chunk
 from rodgen.live.user_expression import UserExpression
 from rodgen.loading.generated_module import call_module
-from rodgen.model.parameter import typeset
 from rodgen.model.quantities import (
     ADDED,
     KINDS,
@@ -29,6 +28,7 @@ from rodgen.model.quantities import (
     WORKS,
     numbers,
 )
+from rodgen.model.term import typeset
 from rodgen.model.terms import PARAMETERS, describe
 from rodgen.scene import Scene
 from rodgen.system import System

@@ -135,10 +135,12 @@ def _export_page(run: Callable[[], Solution], folder: Path) -> None:
 def _scene_at_point(file: Path, number: int) -> Scene:
     """The scene that starts in the state of a point of a branch in a file."""
     from rodgen.analyse.branches import equilibrium_data
-    from rodgen.analyse.curves.curve_files import read
+    from rodgen.analyse.curves.curve_datasets import read_curve
     from rodgen.analyse.cycles import cycle_data
 
-    data = read(file, "--from", "a branch", equilibrium_data.FORMAT.name, cycle_data.FORMAT.name)
+    data = read_curve(
+        file, "--from", "a branch", equilibrium_data.FORMAT.name, cycle_data.FORMAT.name
+    )
     if data.attrs["format"] == cycle_data.FORMAT.name:
         return cycle_data.scene_at(data, number)
     return equilibrium_data.scene_at(data, number)

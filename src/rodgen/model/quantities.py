@@ -10,8 +10,8 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import NamedTuple
 
-from rodgen.model.parameter import typeset
 from rodgen.model.rod import Boundary
+from rodgen.model.term import typeset
 
 # Who holds a quantity: files and datasets, datasets alone, or none but what is asked for it.
 FILE, DATASET, SHOWN = "file", "dataset", "shown"

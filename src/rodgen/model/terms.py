@@ -11,11 +11,22 @@ from collections import Counter
 from collections.abc import Iterable
 from functools import lru_cache
 
-from rodgen.model.fixtures import BODY, FOUNDATION, SHARE, SUPPORT
 from rodgen.model.palette import series_pair
-from rodgen.model.parameter import JOINTS, LINKS, NOT_NEGATIVE, Parameter
-from rodgen.model.rod import CLAMP_ANGLE, NONUNIFORM, ROD, STEADY
-from rodgen.model.term import ANCHOR, DAMPER, DRAG, FORCE, SPREAD, WEIGHT, NumberedRows, Term
+from rodgen.model.rod import BODY, CLAMP_ANGLE, FOUNDATION, NONUNIFORM, ROD, SHARE, STEADY, SUPPORT
+from rodgen.model.term import (
+    ANCHOR,
+    DAMPER,
+    DRAG,
+    FORCE,
+    JOINTS,
+    LINKS,
+    NOT_NEGATIVE,
+    SPREAD,
+    WEIGHT,
+    NumberedRows,
+    Parameter,
+    Term,
+)
 
 # Terms: name, table, label, symbol, kind, words. Parameters: name, key, label, symbol, unit, words.
 # fmt: off

@@ -1,6 +1,6 @@
 /* Methods of a run.
 
-   From rodgen.model.methods by tests.tableaux (`make docs NAME=reference`);
+   From rodgen.model.methods by tests/tableaux.py (`make docs NAME=reference`);
    tests/reference.py guards it. Do not edit. */
 
 enum {

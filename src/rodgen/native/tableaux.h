@@ -1,6 +1,6 @@
 /* Tableaux of the methods, as run.h has their parts.
 
-   From rodgen.model.methods by tests.tableaux (`make docs NAME=reference`);
+   From rodgen.model.methods by tests/tableaux.py (`make docs NAME=reference`);
    tests/reference.py guards it. Do not edit. */
 
 static const struct tableau fixed_tableaux[] = {

@@ -1,4 +1,4 @@
-"""Stiffness and mass along a rod, lumped into its joints and links.
+"""Stiffness and mass along a rod, lumped into its joints and links; and links with their bodies.
 
 A joint stands for the rod half a link to either side of it: its spring turns as much as the rod
 bends there, 1/k = integral of ds/EI, by five Gauss points over each half. A link has the mass that
@@ -7,22 +7,25 @@ lies on it, by five Gauss points, and the bodies that are fixed to it.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 
 from rodgen.arrays import Array
-from rodgen.model.rod import NONUNIFORM, STEADY
+from rodgen.model.rod import NONUNIFORM, STEADY, TANK
 from rodgen.scene.expression import Expression, Numbers
-from rodgen.scene.law import Along, Law, cell_means, gauss_points
-from rodgen.scene.link_parts import LinkPart, combine
-from rodgen.scene.number_names import mass_name
+from rodgen.scene.law import GAUSS, Along, Law, cell_means, gauss_points
+from rodgen.scene.literals import mass_name
 from rodgen.scene.rod_points import link_and_share
+from rodgen.scene.structure import Structure
 from rodgen.scene.tables import SMALLEST, BodyTable, RodTable
 
 STIFFNESS, PER_LENGTH = "rod.bending_stiffness", "rod.mass_per_length"
+
+STEADY_NAMES = {one.name for one in STEADY.values()}
 
 
 @dataclass(frozen=True)
@@ -222,3 +225,67 @@ class BodyOutline:
         x, y = np.moveaxis(end - start, -1, 0)
         found: Array = start + self.along * (end - start) + self.across * np.stack((-y, x), -1)
         return found
+
+
+@dataclass(frozen=True)
+class LinkPart:
+    """A mass [kg] at a place along and across a link, and its mean squares about that, all over the
+    length of the link."""
+
+    mass: float
+    along: float
+    across: float = 0.0
+    spread_along: float = 0.0
+    spread_across: float = 0.0
+    spread_mixed: float = 0.0
+
+
+def combine(parts: Sequence[LinkPart]) -> tuple[float, ...]:
+    """Combine parts of a link: mass, centre along and across, mean squares along and across and
+    mean product about that centre."""
+    masses = np.array([part.mass for part in parts])
+    mass = float(masses.sum())
+    if not mass:
+        return (0.0,) * 6
+
+    def mean(values: Iterable[float]) -> float:
+        return float(masses @ np.array([*values]) / mass)
+
+    a, b = mean(part.along for part in parts), mean(part.across for part in parts)
+    return (
+        *(mass, a, b),
+        mean(part.spread_along + (part.along - a) ** 2 for part in parts),
+        mean(part.spread_across + (part.across - b) ** 2 for part in parts),
+        mean(part.spread_mixed + (part.along - a) * (part.across - b) for part in parts),
+    )
+
+
+def link_parameters_at(
+    structure: Structure, values: Mapping[str, Any], t: float, rates: bool = False
+) -> dict[str, list[float]]:
+    """Parameters of the links at a time, from those of a module with masses that are functions of
+    it; rates: of the masses that the links gain in a second instead."""
+    n, lumped = structure.links, structure.inertia == "lumped"
+    masses = {name: e.with_values(values) for name, e in structure.open_masses.items()}
+
+    def evaluate_mass(name: str, **places: Array) -> Any:
+        return masses[name].derivative(t, places) if rates else masses[name].evaluate(t, places)
+
+    parts: list[list[LinkPart]] = [[] for _ in range(n)]
+    if "steady_mass" in values and not rates:
+        columns = (values[name] for name in structure.index_ranges if name in STEADY_NAMES)
+        for link, row in enumerate(zip(*columns, strict=True)):
+            parts[link].append(LinkPart(*row))
+    if mass_name("") in masses:
+        density = np.broadcast_to(evaluate_mass(mass_name(""), s=gauss_points(n)), (n, GAUSS))
+        for link, mass in enumerate(values["length"] / n * cell_means(density)):
+            parts[link].append(LinkPart(mass, 0.5, 0.0, 1 / 4 if lumped else 1 / 12))
+    for name, link in structure.tanks.items():
+        along, across, spread = (values[f"{name}_{what}"] for what in TANK)
+        mass = float(evaluate_mass(f"{name}_mass"))
+        own = 0.0 if rates else spread / mass
+        parts[link].append(LinkPart(mass, along, across, own, own))
+    names = [one.name for one in NONUNIFORM["bodies"].parameters]
+    known = {one.name for what in structure.nonuniform for one in NONUNIFORM[what].parameters}
+    found = zip(names, zip(*map(combine, parts), strict=True), strict=True)
+    return {name: list(column) for name, column in found if name in known}

@@ -14,8 +14,7 @@ import numpy as np
 
 from rodgen.errors import InputError, shorten
 from rodgen.scene import grammar
-from rodgen.scene.singularities import breaks, half_period, poles
-from rodgen.scene.zeros import Pulse, find_pulses, sample
+from rodgen.scene.zeros import Pulse, breaks, find_pulses, half_period, poles, sample
 
 # A switching function: of the variable of a law, and of its signals by name.
 Difference = Callable[[Any, Mapping[str, Any]], Any]

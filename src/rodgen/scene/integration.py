@@ -1,10 +1,12 @@
-"""Settings of the integration: the table [integrate], its limits, and the times of samples."""
+"""Settings of the integration (the table [integrate], its limits, the times of samples), and
+events: what is watched in a run, and what is done then.
+"""
 
 from __future__ import annotations
 
 import inspect
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from inspect import Parameter
 from typing import Annotated, Any, Self, TypedDict, TypeVar
 
@@ -12,11 +14,13 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from pydantic import Field, ValidationError, model_validator
 
-from rodgen.errors import InputError
+from rodgen.errors import InputError, did_you_mean
 from rodgen.model.methods import EITHER, FIXED_STEP, METHODS
+from rodgen.model.quantities import parse_number, watchable_names
+from rodgen.model.rod import BOUNDARIES
 from rodgen.scene import structure as st
 from rodgen.scene.plain_tables import to_plain
-from rodgen.scene.tables import Finite, Pair, Positive, Table
+from rodgen.scene.tables import Finite, Pair, Positive, RodTable, Table
 from rodgen.scene.validation import to_input_error
 
 AUTO = "auto"
@@ -25,6 +29,8 @@ MOST_STEPS = 10**9
 MOST_ADAPTIVE = 10**7
 F = TypeVar("F", bound=Callable[..., Any])
 LEAST_RTOL = 2.3e-14  # a hundred times the rounding of a double, below which SciPy clips
+
+DIRECTIONS, ACTIONS = ("rising", "falling", "either"), ("record", "stop")
 
 
 class IntegrationSettings(TypedDict, total=False):
@@ -209,3 +215,45 @@ def _check_times(times: list[float], start: float, end: float) -> None:
         i = int(np.argmax(wrong))
         allowed = f"within the span, {start!r} to {end!r} s, and above the one before"
         raise InputError(f"integrate.t_eval[{i}]", times[i], allowed)
+
+
+class EventTable(Table):
+    """A state or a derived quantity that crosses a value: the run stops, or it is recorded."""
+
+    quantity: str = Field(description="a state or a derived quantity, by name")
+    value: Finite = Field(description="what it crosses, in the unit of the quantity")
+    direction: str = Field(default="either", description='`"rising"`, `"falling"` or `"either"`')
+    action: str = Field(
+        default="record", description='`"record"` the crossing, or `"stop"` the run there'
+    )
+    name: str = Field(
+        default_factory=lambda it: f"{it.get('quantity')} = {it.get('value')!r}",
+        description="up to 64 characters, each event its own; without it `quantity = value`",
+    )
+
+    @model_validator(mode="after")
+    def _check_consistency(self) -> Self:
+        st.check_choice("direction", self.direction, DIRECTIONS)
+        st.check_choice("action", self.action, ACTIONS)
+        return self
+
+
+def check_events(events: list[EventTable], rod: RodTable, states: Iterable[str]) -> None:
+    """Raise InputError for an event whose quantity this rod lacks, or whose name is not its own;
+    states: names of the added states."""
+    known = [
+        *watchable_names(BOUNDARIES[rod.boundary], rod.links),
+        *((name, range(1)) for name in states),
+    ]
+    first: dict[str, int] = {}
+    for i, event in enumerate(events):
+        if not any(parse_number(event.quantity, name) in span for name, span in known):
+            ends = [(name.format(span[0]), name.format(span[-1])) for name, span in known]
+            shown = ", ".join(" to ".join(dict.fromkeys(pair)) for pair in ends)
+            allowed = f"one of {shown}{did_you_mean(event.quantity, sum(ends, ()))}"
+            raise InputError(f"events[{i}].quantity", event.quantity, allowed)
+        name, place = event.name, f"events[{i}].name"
+        if not (0 < len(name) <= 64 and name.isprintable() and name.strip()):
+            raise InputError(place, name, "1 to 64 printable characters")
+        if first.setdefault(name, i) != i:
+            raise InputError(place, name, f"unlike that of events[{first[name]}]")

@@ -1,16 +1,21 @@
-"""Keys of a scene by their dotted names, such as loads.follower.force or bodies.payload.mass."""
+"""Keys of a scene by their dotted names, such as loads.follower.force or bodies.payload.mass; and
+numbers and tables that no expression names.
+"""
 
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from typing import Any, get_origin
 
 from pydantic import BaseModel
 
 from rodgen.errors import InputError, did_you_mean, shorten
+from rodgen.scene import grammar
+from rodgen.scene.grammar import TABLE
 from rodgen.scene.literals import literals, replace_literal
 from rodgen.scene.plain_tables import to_plain
+from rodgen.scene.scene_files import TABLES
 from rodgen.scene.validation import check_key_exists, fields_of_tables, goes_by_names
 
 NUMBERS = "parameters"  # the table of numbers that have names
@@ -174,3 +179,21 @@ def find_value(
         raise InputError(field, name, f"a key that has one value{inside}")
     check_number_in_use(scene, found_at, (field, name), others)
     return tuple(found_at), value
+
+
+def find_unused_names(
+    given: dict[str, Any], numbers: Collection[str], tables: Collection[str]
+) -> Iterator[str]:
+    """Yield a sentence on each number and table that no expression in the tables of a scene
+    names."""
+    named = numbers_in_use(given)
+    for name in numbers:
+        if name not in named:
+            yield f"no expression names {NUMBERS}.{name}"
+    trees = [
+        grammar.parse(text, "") for text in expression_texts(given) if tables and TABLE in text
+    ]
+    read = {name for tree in trees if tree for name in grammar.table_names(tree)}
+    for name in tables:
+        if repr(name) not in read:
+            yield f"no expression names {TABLES}.{name}"

@@ -1,4 +1,5 @@
-"""Numbers in the text of an expression: listed, and replaced by others.
+"""Numbers in the text of an expression, listed and replaced by others; and names of numbers: those
+of a module, and which of others a user may give.
 
 Another value of one of them needs no other module: see `Expression.with_parameters`.
 """
@@ -6,17 +7,33 @@ Another value of one of them needs no other module: see `Expression.with_paramet
 from __future__ import annotations
 
 import ast
+import keyword
 import math
-from collections.abc import Collection, Iterator
+import re
+from collections.abc import Collection, Iterable, Iterator
 from dataclasses import dataclass
 from itertools import takewhile
 
 from rodgen.errors import InputError
+from rodgen.model.quantities import QUANTITIES, parse_number
+from rodgen.model.rod import MASS_PER_LENGTH
+from rodgen.model.term import ANY, KNOTS, Parameter
+from rodgen.model.terms import PARAMETERS, TERMS
 from rodgen.scene import grammar
+from rodgen.scene.grammar import FUNCTIONS, TABLE
 from rodgen.scene.plain_tables import is_number
 
 THIS, OTHER, CUT = "□", "·", "…"
 NEAR = 12  # characters of the text before and behind a number that tell where it stands
+
+LONGEST = 64  # characters
+NAME = re.compile(rf"[A-Za-z][A-Za-z0-9_]{{0,{LONGEST - 1}}}")
+# Names with a meaning in generated modules, and the variables of expressions.
+TAKEN = {"t", "s", "d", "k", "p", "y", "np", "math", "fins", "N", "pi", TABLE, *FUNCTIONS}
+# A number of an expression without a name, or a table.
+MADE = re.compile(r"(.+?)_(?:knot_|value_|table_)?\d+")
+OF_LOADS = ("work_", "power_", "force_")  # before the name of a load, its quantities
+SENSORS = re.compile(r"(phi|omega|x|y|vx|vy)(_?\d+)?")
 
 
 @dataclass(frozen=True)
@@ -134,3 +151,59 @@ def _context(text: str, places: list[tuple[int, int]], at: int) -> str:
     here = whole.index(THIS)
     low, high = max(0, here - NEAR), here + 1 + NEAR
     return CUT * (low > 0) + whole[low:high] + CUT * (high < len(whole))
+
+
+def check_name(name: str, field: str) -> None:
+    """Raise InputError for what cannot be the name of a number in an expression."""
+    if not NAME.fullmatch(name):
+        raise InputError(field, name, f"a plain identifier of at most {LONGEST} ASCII characters")
+    taken = name in TAKEN or name in PARAMETERS or keyword.iskeyword(name)
+    if taken or SENSORS.fullmatch(name) or name.startswith("_"):
+        raise InputError(field, name, "a name that stands for nothing else in a module")
+
+
+def check_states(names: Iterable[str], numbers: Iterable[str]) -> None:
+    """Raise InputError for names of states that stand for something else, in expressions or where
+    states are listed beside terms and quantities; numbers: names in the table [parameters]."""
+    taken = {name.upper() for term in TERMS.values() for name in (term.name, term.table)}
+    taken |= {name.upper() for name in numbers}
+    known = [name for of in QUANTITIES for name in (of.name, *of.numbers) if name != "{}"]
+    for name in names:
+        shown = any(parse_number(name, template) is not None for template in known)
+        shown |= name.startswith(OF_LOADS)
+        if name.upper() in taken or shown:
+            allowed = "unlike the names of terms, quantities and [parameters]"
+            raise InputError(f"states.{name}", name, allowed)
+
+
+def mass_name(body: str) -> str:
+    """Name in a module of the mass of a body that changes with time, or for an empty name of that
+    of the links."""
+    return f"body_{body}_mass" if body else MASS_PER_LENGTH.name
+
+
+def number_parameter(name: str, rule: str = ANY) -> Parameter:
+    """Module parameter for a number of an expression."""
+    what = "a number in an expression" + " of t" * (rule == ANY)
+    return Parameter(name, name, name, "", "", what, rule=rule)
+
+
+def table_parameter(name: str) -> Parameter:
+    """Module parameter for a table of an expression."""
+    what = "knots of a table in an expression, which ascend, and then a value for each"
+    return Parameter(name, name, name, "", "", what, each=KNOTS)
+
+
+def check_names(names: Iterable[str], table: str, also: Iterable[str] = ()) -> None:
+    """Raise InputError for names of a table that differ in case alone, or that a module gives to
+    numbers of its parameters and of `also`, other prefixes of such names."""
+    seen: dict[str, str] = {}
+    numbered = {one.lower() for one in also}
+    for name in names:
+        field = f"{table}.{name}"
+        check_name(name, field)
+        if (other := seen.setdefault(name.upper(), name)) != name:
+            raise InputError(field, name, f"unlike {other} by more than the size of its letters")
+        made = MADE.fullmatch(name.lower())
+        if made and (made[1] in PARAMETERS or made[1] in numbered):
+            raise InputError(field, name, "unlike the names of numbers in expressions")

@@ -7,8 +7,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 from pydantic import Field, create_model
 
-from rodgen.model.parameter import ANY, JOINTS, LINKS, NOT_NEGATIVE, POSITIVE, Parameter
-from rodgen.model.term import Term
+from rodgen.model.term import ANY, JOINTS, LINKS, NOT_NEGATIVE, POSITIVE, Parameter, Term
 from rodgen.model.terms import TERMS
 from rodgen.scene.plain_tables import get_at
 from rodgen.scene.rod_points import place_text

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from rodgen.errors import InputError
-from rodgen.model.parameter import JOINTS
+from rodgen.model.term import JOINTS
 from rodgen.model.terms import PARAMETERS, TERMS
 from rodgen.scene import spring_law
 from rodgen.scene import structure as st

@@ -1,4 +1,5 @@
-"""Reading of scenes from TOML files, and conversion of Python and NumPy values to plain ones.
+"""Reading of scenes from TOML files, conversion of Python and NumPy values to plain ones, and the
+immutable lists and dictionaries of scenes.
 
 Limits on size and depth are checked before anything is parsed.
 """
@@ -10,7 +11,7 @@ import stat
 import tomllib
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Any, TypeGuard
+from typing import Any, NoReturn, TypeGuard
 
 import numpy as np
 from numpy.typing import NDArray
@@ -53,6 +54,11 @@ KINDS = {
     stat.S_ISCHR: "a device",
     stat.S_ISBLK: "a device",
 }
+
+AGAIN = 'Make another: scene.replace({"rod.length": 3.0}), by the dotted name of the key'
+OF_LISTS = "append clear extend insert pop remove reverse sort __iadd__ __imul__"
+OF_DICTS = "clear pop popitem setdefault update __ior__"
+OF_BOTH = "__setitem__ __delitem__"
 
 
 def get_at(table: Any, *keys: str) -> Any:
@@ -212,3 +218,41 @@ def _size_message(text: str) -> str:
     if depth.max(initial=0) > DEEPEST or DOTTED.search(bare):
         return f"a file of tables and lists at most {DEEPEST} deep"
     return ""
+
+
+def _refuse(self: object, *_: object, **__: object) -> NoReturn:
+    kind = "list" if isinstance(self, list) else "dictionary"
+    raise TypeError(f"a {kind} of a scene cannot be changed: scenes do not change. {AGAIN}")
+
+
+class FrozenList(list[Any]):
+    """A list that raises TypeError when it is to be changed; copies by `list` can be."""
+
+    vars().update(dict.fromkeys(f"{OF_LISTS} {OF_BOTH}".split(), _refuse))
+
+    def __reduce__(self) -> tuple[Any, ...]:  # else it would be unpickled item by item
+        return FrozenList, (list(self),)
+
+    # Lists have no hash, as they change; this one does not.
+    def __hash__(self) -> int:  # type: ignore[override]
+        return hash(tuple(self))
+
+
+class FrozenDict(dict[str, Any]):
+    """A dictionary that raises TypeError when it is to be changed; copies by `dict` can be."""
+
+    vars().update(dict.fromkeys(f"{OF_DICTS} {OF_BOTH}".split(), _refuse))
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return FrozenDict, (dict(self),)
+
+    # Dictionaries have no hash, as they change; this one does not.
+    def __hash__(self) -> int:  # type: ignore[override]
+        return hash(frozenset(self.items()))
+
+
+def make_immutable(value: Any) -> Any:
+    """Make a list or a dictionary immutable; anything else is returned as it is."""
+    if isinstance(value, list):
+        return FrozenList(value)
+    return FrozenDict(value) if isinstance(value, dict) else value

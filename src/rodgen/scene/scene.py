@@ -14,14 +14,19 @@ from rodgen.errors import InputError
 from rodgen.model.terms import TERMS
 from rodgen.scene.examples import examples, find_example
 from rodgen.scene.integration import AUTO, IntegrationSettings, IntegrationTable, with_keywords
-from rodgen.scene.keys import NUMBERS, check_number_in_use, find_value, set_values
+from rodgen.scene.keys import (
+    NUMBERS,
+    check_number_in_use,
+    find_unused_names,
+    find_value,
+    set_values,
+)
 from rodgen.scene.lookup_table import to_lists
 from rodgen.scene.mesh import with_links
 from rodgen.scene.plain_tables import read_toml, to_plain
 from rodgen.scene.scene_files import TABLES, read_table_files
 from rodgen.scene.scene_tables import SceneTables
 from rodgen.scene.structure import check_links
-from rodgen.scene.unused_names import find_unused_names
 
 LINKS = "rod.links"
 

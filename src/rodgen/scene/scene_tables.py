@@ -19,21 +19,20 @@ from pydantic import (
 )
 
 from rodgen.errors import InputError
-from rodgen.model.parameter import JOINTS, LINKS
 from rodgen.model.rod import CLAMP_ANGLE, ROD, Boundary
+from rodgen.model.term import JOINTS, LINKS
 from rodgen.model.terms import PARAMETERS, PLACES
 from rodgen.scene import spring_law
 from rodgen.scene import structure as st
 from rodgen.scene.anchors import Anchors
 from rodgen.scene.distribution import Distribution
-from rodgen.scene.event import EventTable, check_events
 from rodgen.scene.expression import Expression, Numbers, parse_expression
 from rodgen.scene.grammar import TableData
-from rodgen.scene.integration import IntegrationTable
+from rodgen.scene.integration import EventTable, IntegrationTable, check_events
 from rodgen.scene.law import Law
+from rodgen.scene.literals import check_names, check_states, mass_name
 from rodgen.scene.load_tables import FinFactor, Loads
 from rodgen.scene.lookup_table import MOST_ROWS, LookupTable, parse_table
-from rodgen.scene.number_names import check_names, check_states, mass_name
 from rodgen.scene.plain_tables import to_plain
 from rodgen.scene.tables import (
     BodyTable,

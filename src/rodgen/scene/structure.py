@@ -12,7 +12,6 @@ from functools import cached_property
 from itertools import starmap
 
 from rodgen.errors import InputError, did_you_mean
-from rodgen.model.parameter import ANY, JOINTS, LINKS, NOT_NEGATIVE, SPRINGS, Parameter
 from rodgen.model.rod import (
     BOUNDARIES,
     CLAMP_ANGLE,
@@ -24,11 +23,12 @@ from rodgen.model.rod import (
     Boundary,
     tank_row,
 )
+from rodgen.model.term import ANY, JOINTS, LINKS, NOT_NEGATIVE, SPRINGS, Parameter
 from rodgen.model.terms import PARAMETERS, TERMS, THESIS_TERMS, load_places
 from rodgen.scene import spring_law
 from rodgen.scene.expression import Expression, open_expression
 from rodgen.scene.grammar import Sensor
-from rodgen.scene.number_names import check_name, mass_name, number_parameter, table_parameter
+from rodgen.scene.literals import check_name, mass_name, number_parameter, table_parameter
 from rodgen.scene.plain_tables import to_plain
 
 MOST_LINKS = 10**6

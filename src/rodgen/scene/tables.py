@@ -21,8 +21,8 @@ from rodgen.errors import InputError, Missing
 from rodgen.model.rod import BOUNDARIES, INERTIAS, Boundary
 from rodgen.scene import structure as st
 from rodgen.scene.expression import Numbers
-from rodgen.scene.immutable import AGAIN, make_immutable
 from rodgen.scene.law import Law
+from rodgen.scene.plain_tables import AGAIN, make_immutable
 from rodgen.scene.rod_points import link_and_share
 from rodgen.scene.validation import to_input_error
 
@@ -69,6 +69,10 @@ class Table(BaseModel):
         """Yield keys and values; pydantic's would add what was computed from them and kept."""
         for name in type(self).model_fields:
             yield name, getattr(self, name)
+
+    def __hash__(self) -> int:
+        # Of lists that were put in place of others, too.
+        return hash(tuple(make_immutable(getattr(self, name)) for name in type(self).model_fields))
 
     def __dir__(self) -> list[str]:
         """Names that editors complete, without pydantic's thirty, some of which warn."""

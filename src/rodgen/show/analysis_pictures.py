@@ -1,4 +1,6 @@
-"""Pictures of an analysis, made for print: mode shapes, an equilibrium, a critical force."""
+"""Pictures of an analysis, made for print (mode shapes, an equilibrium, a critical force), and of a
+scene: the rod at the start, its supports and its loads.
+"""
 
 from __future__ import annotations
 
@@ -20,12 +22,21 @@ from rodgen.analyse.steady_rod import SteadyRod
 from rodgen.arrays import Array, even_indices
 from rodgen.display import Plottable
 from rodgen.errors import AnalysisError, EmptyPictureError
-from rodgen.model.parameter import typeset
-from rodgen.model.term import FORCE, SPREAD, WEIGHT
+from rodgen.model.term import FORCE, SPREAD, WEIGHT, typeset
 from rodgen.model.terms import TERMS
 from rodgen.scene import Scene
-from rodgen.show.canvas import CURVE, FAINT, LINE, ROD, SPECIAL, make_figure, set_height
-from rodgen.show.rod_marks import describe_marks, draw_marks
+from rodgen.show.canvas import (
+    CURVE,
+    FAINT,
+    LINE,
+    ROD,
+    SPECIAL,
+    describe_marks,
+    draw_marks,
+    make_figure,
+    set_height,
+    set_limits,
+)
 
 PANELS = 6  # modes drawn
 AMPLITUDE = 0.1  # of the length
@@ -37,6 +48,26 @@ WEIGHTS = 9  # arrows of what acts along the rod
 FORCES = 400  # in the curves of a critical force
 BEYOND = 0.3  # of the critical force, that the curves go on
 NEAR = 0.1  # of the critical force, up to where growth fills the picture
+
+
+def scene_at_start(scene: Scene) -> Figure:
+    """Rod in its initial state with its bodies, supports and loads at the start of the span; its
+    module is built where it has not been."""
+    rod, y = SteadyRod.of(scene, scene.integrate.span[0]), scene.initial_state()
+    joints = rod.model.joints(y, rod.system.p)
+    figure = make_figure(6.0, 5.0)
+    axes = figure.add_subplot()
+    axes.grid(alpha=0.3)
+    axes.plot(*joints.T, "-", color=ROD, linewidth=LINE)
+    draw_marks(axes, scene, joints, ROD)
+    drawn = draw_loads(axes, rod, joints, y, 1.0)
+    fixed = [(tie.x, tie.y) for tie in scene.anchors.support_points]
+    axes.set(xlabel=f"x [m]\n{describe_marks(scene)}", ylabel="y [m]")
+    axes.set_title(f"{scene.name} at the start")
+    set_limits(axes, np.concatenate((joints, *drawn, np.reshape(fixed, (-1, 2)))))
+    if keys := load_legend(rod, y):
+        figure.legend(handles=keys, loc="outside lower center", ncols=2, fontsize="small")
+    return figure
 
 
 def mode_shapes(modes: Modes, scene: Scene) -> Figure:
@@ -262,7 +293,8 @@ def _draw_critical(found: Critical) -> Figure:
     return stability_curves(found, load_family(scene, found.t, speed, load=found.load))
 
 
-PICTURES_OF: dict[type[Plottable], Mapping[str, Callable[[Any], Figure]]] = {
+PICTURES_OF: dict[type[Plottable] | type[Scene], Mapping[str, Callable[[Any], Figure]]] = {
+    Scene: {"start": scene_at_start},
     Modes: {"shapes": lambda found: mode_shapes(found, found.scene)},
     Equilibrium: {"shape": lambda rest: equilibrium_shape(rest, SteadyRod.of(rest.scene, rest.t))},
     Critical: {"curves": _draw_critical},

@@ -31,10 +31,10 @@ DOTS_PER_INCH = 80  # of pictures in notebooks
 
 @cache
 def _all_pictures() -> dict[type[Tabular], Mapping[str, Callable[[Any], Figure]]]:
-    """PICTURES_OF in the files *_picture.py and *_pictures.py of this folder, together."""
+    """PICTURES_OF in the files *_pictures.py of this folder, together."""
     found: dict[type[Tabular], Mapping[str, Callable[[Any], Figure]]] = {}
     for file in iter_modules([str(Path(__file__).parent)]):
-        if file.name.endswith(("_picture", "_pictures")):
+        if file.name.endswith("_pictures"):
             found |= getattr(import_module(f"rodgen.show.{file.name}"), "PICTURES_OF", {})
     return found
 

@@ -17,8 +17,17 @@ from rodgen.arrays import Array
 from rodgen.errors import AnalysisError, InputError
 from rodgen.model.terms import TERMS, axis_label
 from rodgen.scene import Scene
-from rodgen.show.canvas import CURVE, INK, LINE, SERIES, SPECIAL, make_figure, mark_of
-from rodgen.show.rod_marks import describe_marks, draw_marks
+from rodgen.show.canvas import (
+    CURVE,
+    INK,
+    LINE,
+    SERIES,
+    SPECIAL,
+    describe_marks,
+    draw_marks,
+    make_figure,
+    mark_of,
+)
 
 if TYPE_CHECKING:
     import xarray

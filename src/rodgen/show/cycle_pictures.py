@@ -15,8 +15,18 @@ from rodgen.analyse.cycles.floquet import Floquet
 from rodgen.arrays import Array
 from rodgen.model.terms import axis_label
 from rodgen.scene import Scene
-from rodgen.show.canvas import CURVE, FAINT, INK, LINE, ROD, SPECIAL, make_figure, mark_of
-from rodgen.show.rod_marks import describe_marks, draw_marks
+from rodgen.show.canvas import (
+    CURVE,
+    FAINT,
+    INK,
+    LINE,
+    ROD,
+    SPECIAL,
+    describe_marks,
+    draw_marks,
+    make_figure,
+    mark_of,
+)
 
 if TYPE_CHECKING:
     import xarray

@@ -20,7 +20,7 @@ from rodgen.analyse.cycles import cycle_data as cycle_branches
 from rodgen.analyse.cycles import nonlinear_modes
 from rodgen.dataset_result import PREFIX, known_or_none
 from rodgen.errors import InputError
-from rodgen.integrate.run_status import NO_RESULT
+from rodgen.integrate.stepper import NO_RESULT
 from rodgen.result import ResultTable, Row, format_value
 from rodgen.scene import Scene
 from rodgen.show.appearance import compose_html, draw_picture

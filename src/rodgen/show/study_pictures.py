@@ -20,7 +20,7 @@ from matplotlib.ticker import LogLocator
 from numpy.typing import NDArray
 
 from rodgen.arrays import even_indices
-from rodgen.integrate.run_status import FINISHED, NO_RESULT
+from rodgen.integrate.stepper import FINISHED, NO_RESULT
 from rodgen.show.canvas import BED, INK, LINE, PAPER, SERIES, SPECIAL, VALUES, make_figure
 from rodgen.show.run_pictures import save_figures
 from rodgen.show.study_results import StudyResults, is_logarithmic

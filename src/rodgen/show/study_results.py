@@ -10,9 +10,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from rodgen.integrate.run_status import FINISHED
+from rodgen.integrate.stepper import FINISHED
 from rodgen.model.terms import axis_label
-from rodgen.studies.study_variable import ALWAYS, METHOD
+from rodgen.studies.point_arrays import ALWAYS, METHOD
 
 EVEN = 1e-6  # of the spacing in which an axis is linear or logarithmic
 BESIDE = {one.name for one in (*ALWAYS, METHOD)}  # what a study keeps without being asked

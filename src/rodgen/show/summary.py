@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from rodgen.integrate import Solution
-from rodgen.integrate.error_growth import visible_error
+from rodgen.integrate.dense_output import visible_error
 from rodgen.integrate.trajectory import ErrorGrowth
 from rodgen.model.terms import describe
 from rodgen.result import DOUBT, ResultTable

@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 
 from rodgen.arrays import even_indices
 from rodgen.errors import InputError
-from rodgen.integrate.run_status import NO_RESULT
+from rodgen.integrate.stepper import NO_RESULT
 from rodgen.studies.kept_quantities import quantity_variables
 
 if TYPE_CHECKING:

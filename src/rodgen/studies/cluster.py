@@ -33,7 +33,6 @@ from rodgen.errors import InputError, StudyError
 from rodgen.native.library import DeferredInterrupt
 from rodgen.studies import task
 from rodgen.studies.store import StudyStore
-from rodgen.studies.tracker import outlive_tracker
 from rodgen.studies.worker_tasks import (
     SAFE,
     SAFE_PATH,
@@ -43,6 +42,7 @@ from rodgen.studies.worker_tasks import (
     check_worker,
     compute_block,
     compute_piece,
+    outlive_tracker,
     time_point,
     unset_safe_path,
     versions,

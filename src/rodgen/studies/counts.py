@@ -10,9 +10,9 @@ from pathlib import Path
 import numpy as np
 
 from rodgen.dataset_result import DOUBTS, doubt_remark
-from rodgen.integrate.run_status import NO_RESULT, TOO_LONG
+from rodgen.integrate.stepper import NO_RESULT, TOO_LONG
 from rodgen.result import Note, Result, Row
-from rodgen.studies.block_layout import MARK, Layout
+from rodgen.studies.sampling import MARK, Layout
 from rodgen.studies.store import arrays_of, attributes_of
 
 NUMBER = re.compile(r"(?<![A-Za-z_])[-+]?\d[\d.]*(e[-+]?\d+)?")

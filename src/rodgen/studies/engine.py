@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any, Protocol
 import numpy as np
 
 from rodgen.errors import InputError, StudyError, install_command
-from rodgen.integrate.run_status import NO_RESULT
+from rodgen.integrate.stepper import NO_RESULT
 from rodgen.progress import announce, format_duration, report_stages_to, show_count, show_work
 from rodgen.scene import Scene
 from rodgen.studies.adaptive import Rounds
@@ -338,7 +338,7 @@ def _refine(
 ) -> None:
     """Compute the points of every round, in pieces of so many points, but for those that the store
     has; wanted: the points of the first round."""
-    from rodgen.studies.block_layout import MARK
+    from rodgen.studies.sampling import MARK
     from rodgen.studies.task import concatenate
 
     known = np.asarray(store.arrays[MARK][...]).ravel() != ""

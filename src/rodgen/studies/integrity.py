@@ -23,7 +23,7 @@ from zarr.storage import LocalStore
 
 from rodgen.errors import InputError
 from rodgen.loading.cache import write_whole
-from rodgen.studies.block_layout import CHUNKS, MARK
+from rodgen.studies.sampling import CHUNKS, MARK
 
 SUMS, OWN = "checksums", "sha256"  # attributes: checksums of descriptions, and of the others
 DESCRIPTION = "zarr.json"

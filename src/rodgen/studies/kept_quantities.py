@@ -34,9 +34,9 @@ from rodgen.studies.measures import (
     SpectralPeak,
     UserFunction,
 )
-from rodgen.studies.reference_point import reference_point
+from rodgen.studies.point_arrays import ALWAYS, METHOD, StudyVariable
+from rodgen.studies.sampling import reference_point
 from rodgen.studies.specification import Specification
-from rodgen.studies.study_variable import ALWAYS, METHOD, StudyVariable
 from rodgen.system import System
 
 RUN = "run"

@@ -10,18 +10,17 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from rodgen.errors import AnalysisError
-from rodgen.integrate.crossings import Crossing, CrossingResults
 from rodgen.integrate.quantity_formulas import MotionSlice
-from rodgen.integrate.reductions import Numbers, Reduction
-from rodgen.integrate.run_status import FINISHED
-from rodgen.studies.study_variable import StudyVariable
+from rodgen.integrate.reductions import Crossing, CrossingResults, Numbers, Reduction
+from rodgen.integrate.stepper import FINISHED
+from rodgen.studies.point_arrays import StudyVariable
 
 if TYPE_CHECKING:
     from rodgen.arrays import Array
     from rodgen.integrate import Solution
     from rodgen.integrate.ensemble import Ensemble
     from rodgen.integrate.module_facts import ModuleFacts
-    from rodgen.scene.event import EventTable
+    from rodgen.scene.integration import EventTable
 
 MOST_POINTS = 1000  # of a section, where no other number is given
 EVERY = -math.inf, math.inf

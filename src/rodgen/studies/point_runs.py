@@ -15,14 +15,14 @@ from numpy.typing import NDArray
 
 from rodgen.arrays import Array
 from rodgen.errors import InputError
-from rodgen.integrate.crossings import Crossing
 from rodgen.integrate.diagnosis import doubt_counts
 from rodgen.integrate.methods.method_choice import choose, choose_from
 from rodgen.integrate.module_facts import ModuleFacts, facts_of
-from rodgen.integrate.run_status import FAILED
+from rodgen.integrate.reductions import Crossing
 from rodgen.integrate.simulate import simulate
 from rodgen.integrate.simulate_many import can_run_in_lanes, simulate_rods
 from rodgen.integrate.solution import RunError
+from rodgen.integrate.stepper import FAILED
 from rodgen.studies.axis import Axis
 from rodgen.studies.kept_quantities import PARTS, check_numbers, run_quantities
 from rodgen.studies.measures import (
@@ -34,11 +34,8 @@ from rodgen.studies.measures import (
     UserFunction,
     event_crossing,
 )
-from rodgen.studies.point_arrays import PointArrays
-from rodgen.studies.point_batch import PointBatch, group_by, slot_names
-from rodgen.studies.reference_point import reference_point
-from rodgen.studies.sampling import Point
-from rodgen.studies.study_variable import METHOD
+from rodgen.studies.point_arrays import METHOD, PointArrays, PointBatch, group_by, slot_names
+from rodgen.studies.sampling import Point, reference_point
 from rodgen.studies.time_limit import TimeLimitExceeded, time_limit
 from rodgen.system import System
 

@@ -24,10 +24,9 @@ from rodgen.dataset_result import register_accessor
 from rodgen.errors import InputError
 from rodgen.loading.cache import PACKAGES, source_hash
 from rodgen.scene.plain_tables import read_toml
-from rodgen.studies.block_layout import CHUNKS, MARK, Layout
 from rodgen.studies.kept_quantities import variables
-from rodgen.studies.sampling import Point
-from rodgen.studies.study_variable import StudyVariable
+from rodgen.studies.point_arrays import StudyVariable
+from rodgen.studies.sampling import CHUNKS, MARK, Layout, Point
 
 if TYPE_CHECKING:
     import xarray as xr

@@ -14,7 +14,7 @@ from rodgen.scene.plain_tables import STUDY, read_toml, to_plain
 from rodgen.scene.scene_files import read_table_files
 from rodgen.studies.axis import Axis, Sample, read_axis
 from rodgen.studies.kept_quantities import variables
-from rodgen.studies.reference_point import MOST_TRIED, reference_point
+from rodgen.studies.sampling import MOST_TRIED, reference_point
 from rodgen.studies.specification import Kept, Specification
 from rodgen.studies.time_limit import check_limit
 from rodgen.system import System

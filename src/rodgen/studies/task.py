@@ -1,7 +1,11 @@
-"""Tasks of workers: the points of a block are computed and written whole, then it is marked."""
+"""Tasks of workers: the points of a block are computed and written whole, then it is marked.
+
+A point that fails raises no exception; computing needs no Dask and no files.
+"""
 
 from __future__ import annotations
 
+import time
 from collections.abc import Callable, Mapping, Sequence
 from time import perf_counter, process_time
 from typing import TYPE_CHECKING, Any
@@ -10,14 +14,17 @@ import numpy as np
 from numpy.typing import NDArray
 from threadpoolctl import threadpool_limits
 
-from rodgen.integrate.run_status import FAILED, NO_RESULT
+from rodgen.errors import AnalysisError, InputError
+from rodgen.integrate.solution import RunError
+from rodgen.integrate.stepper import FAILED, NO_RESULT
 from rodgen.result import collect_doubts
-from rodgen.studies.block_layout import MARK
-from rodgen.studies.kept_quantities import variables
-from rodgen.studies.point_results import evaluate
-from rodgen.studies.sampling import points_at
+from rodgen.studies import point_runs
+from rodgen.studies.analysis_results import analyse, kept_value
+from rodgen.studies.kept_quantities import RUN, analysis_rows, variables
+from rodgen.studies.point_arrays import PointArrays, StudyVariable
+from rodgen.studies.sampling import MARK, Point, points_at
 from rodgen.studies.store import StudyStore, dtype_of
-from rodgen.studies.study_variable import StudyVariable
+from rodgen.studies.time_limit import TimeLimitExceeded, time_limit
 
 if TYPE_CHECKING:
     from rodgen.studies.study import Study
@@ -102,3 +109,45 @@ def _time_points(study: Study, each: int) -> float:
     compute_points(study, range(first, first + each))
     clock, own = perf_counter() - clock, process_time() - own
     return own if own > clock / MOST_SHARED else clock
+
+
+def evaluate(
+    study: Study, points: Sequence[Mapping[str, Any]], indices: Sequence[int] = ()
+) -> dict[str, NDArray[Any]]:
+    """Compute what a study keeps of some of its points: arrays by the names of variables, whose
+    first axis is the points.
+
+    points: values by varied names; indices: their numbers in the study, which nothing depends on. A
+    point that cannot be built or computed has status "failed", its reason as message, and fill
+    values. But for `seconds`, the results of a point do not depend on the others, their number or
+    order, to the bit. Raises InputError for a quantity that cannot be kept.
+    """
+    made = PointArrays(variables(study), len(points))
+    given = [dict(point) for point in points]
+    with np.errstate(all="ignore"):
+        (point_runs.compute if study.what == RUN else _analyse_points)(study, given, made)
+    return made.arrays
+
+
+def _analyse_points(study: Study, points: list[Point], made: PointArrays) -> None:
+    """Analyse every point, and fill in its results."""
+    asked = analysis_rows(study)
+    count = max((one.count for one in asked), default=0)
+    for at, point in enumerate(points):
+        start = time.process_time()
+        try:
+            system = study.system_at(point)
+            with time_limit(study.time_limit, system):
+                result = analyse(study.what, system, study.options, count)
+            made.set_point(
+                at,
+                {one.text: kept_value(one.row, result, one.count) for one in asked},
+                float("nan"),
+                "",
+                len(result.doubts),
+            )
+        except (InputError, AnalysisError, RunError) as error:
+            made.fail(at, str(error), getattr(error, "status", FAILED))
+        except TimeLimitExceeded:
+            made.time_out(at, study.time_limit)
+        made.arrays["seconds"][at] = time.process_time() - start

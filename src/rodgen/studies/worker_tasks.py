@@ -6,7 +6,9 @@ import os
 import platform
 import signal
 import sys
+import warnings
 from functools import cached_property
+from multiprocessing import resource_tracker
 from typing import TYPE_CHECKING, Any
 from uuid import uuid4
 
@@ -26,6 +28,8 @@ if TYPE_CHECKING:
 SAFE_PATH, SAFE = "PYTHONSAFEPATH", "rodgen"
 Texts = dict[tuple[str, ...], str]
 Indices = list[int]
+
+_unregister = resource_tracker.unregister
 
 
 class StudyContext(WorkerPlugin):  # type: ignore[misc]  # Dask has no types
@@ -114,3 +118,18 @@ def time_point(study: Study) -> tuple[float, Texts]:
     with cache.record_texts() as texts:
         seconds = task.time_point(study)
     return seconds, texts
+
+
+def outlive_tracker() -> None:
+    """Let a study outlive the tracker of its semaphores without messages: each semaphore is
+    registered with the tracker that Python starts instead before it is unregistered there, else
+    that one would print that it does not know it."""
+    vars(resource_tracker)["unregister"] = _forget
+
+
+def _forget(name: str, kind: str) -> None:
+    """Unregister a resource, whichever tracker runs."""
+    with warnings.catch_warnings():
+        warnings.filterwarnings("ignore", "resource_tracker: process died", UserWarning)
+        resource_tracker.register(name, kind)
+    _unregister(name, kind)

@@ -17,9 +17,8 @@ from rodgen.model.rod import Boundary
 from rodgen.native.library import build_environment
 from rodgen.result import Note, doubt
 from rodgen.scene import Scene, Structure
-from rodgen.scene.event import EventTable
 from rodgen.scene.expression import Expression
-from rodgen.scene.integration import IntegrationSettings, IntegrationTable
+from rodgen.scene.integration import EventTable, IntegrationSettings, IntegrationTable
 from rodgen.scene.plain_tables import to_plain
 from rodgen.scene.scene import with_values
 from rodgen.scene.time_laws import TimeLaws

@@ -12,9 +12,9 @@ import numpy as np
 
 import rodgen
 from rodgen.studies import adaptive
-from rodgen.studies.point_results import evaluate
 from rodgen.studies.sampling import points_at
 from rodgen.studies.study import Study
+from rodgen.studies.task import evaluate
 from rodgen.system import System
 from rodgen_evidence.benchmarks import Times
 from rodgen_evidence.benchmarks.many import FEW, SETTINGS, best, inside

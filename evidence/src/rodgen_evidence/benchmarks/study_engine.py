@@ -22,10 +22,10 @@ import psutil
 
 from rodgen.studies import task
 from rodgen.studies.engine import BLOCK, block_size, run_study
-from rodgen.studies.point_results import evaluate
 from rodgen.studies.sampling import points_at
 from rodgen.studies.store import StudyStore, read_store
 from rodgen.studies.study import Study
+from rodgen.studies.task import evaluate
 from rodgen_evidence.benchmarks import Times
 from rodgen_evidence.benchmarks.clusters import (
     FORCE,

@@ -20,7 +20,7 @@ from matplotlib.figure import Figure
 
 import rodgen
 from rodgen.analyse.cycles.cycle_search import CycleSearch
-from rodgen.analyse.cycles.hopf_points import first_hopf
+from rodgen.analyse.cycles.hopf import first_hopf
 from rodgen.system import ParameterRange, System
 from rodgen_evidence.figures.model_figures import STYLE
 from rodgen_evidence.figures.model_parts import FORCE, GUIDE

@@ -12,7 +12,7 @@ from rodgen.analyse.chaos.lyapunov import lyapunov_exponents
 from rodgen.analyse.critical import critical_load
 from rodgen.analyse.cycles.cycle_result import Cycle
 from rodgen.analyse.cycles.cycle_search import CycleSearch
-from rodgen.analyse.cycles.hopf_points import first_hopf
+from rodgen.analyse.cycles.hopf import first_hopf
 from rodgen.analyse.cycles.periodic_motion import find_cycle
 from rodgen.analyse.modes import natural_modes
 from rodgen.analyse.references import continuum

@@ -6,15 +6,14 @@ from dataclasses import replace
 
 import numpy as np
 
-from rodgen.analyse.analysis_guard import guard_analysis
+from rodgen.analyse.analysis_guard import EQUILIBRIA, check_analysis_memory, guard_analysis
 from rodgen.analyse.bordered import BorderedMatrix
 from rodgen.analyse.branches.equilibria import Equilibria
 from rodgen.analyse.branches.equilibrium_problems import equilibrium_problem
 from rodgen.analyse.curves.branch_switching import switch_branch
 from rodgen.analyse.curves.continuation import StepControl, continue_curve, start_point
 from rodgen.analyse.curves.curve import BRANCH, NOISE, Curve
-from rodgen.analyse.memory_needs import EQUILIBRIA, check_analysis_memory
-from rodgen.analyse.rod_range import RodRange
+from rodgen.analyse.scaled_load import RodRange
 from rodgen.analyse.statics import Equilibrium, equilibrium_of, static_equilibrium
 from rodgen.analyse.steady_rod import SteadyRod
 from rodgen.analyse.steady_state import SteadyState, straight_state

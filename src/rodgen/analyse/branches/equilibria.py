@@ -22,7 +22,7 @@ from rodgen.analyse.eigenvalues import Complex
 from rodgen.analyse.modal import MOST_DENSE, growing_eigenvalue
 from rodgen.analyse.onset import Onset, solve_onset
 from rodgen.analyse.pencil import BlockPencil, Linear, MatrixPencil
-from rodgen.analyse.rod_range import RodRange
+from rodgen.analyse.scaled_load import RodRange
 from rodgen.analyse.small_motions import SmallMotions, growing_eigenvalues
 from rodgen.analyse.steady_rod import SteadyRod, Unknowns
 from rodgen.analyse.steady_state import SteadyState, linearise, straight_state

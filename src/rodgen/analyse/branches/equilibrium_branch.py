@@ -7,7 +7,13 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from rodgen.analyse.analysis_guard import guard_analysis
+from rodgen.analyse.analysis_guard import (
+    BRANCH,
+    check_analysis_memory,
+    check_bounds,
+    check_inside,
+    guard_analysis,
+)
 from rodgen.analyse.branches.equilibria import Equilibria, has_doubtful_counts
 from rodgen.analyse.branches.equilibrium_data import SavedPoint, dataset, read_point
 from rodgen.analyse.branches.equilibrium_problems import equilibrium_problem
@@ -26,9 +32,7 @@ from rodgen.analyse.curves.curve_datasets import extend, make_dataset
 from rodgen.analyse.curves.mesh_check import add_mesh_doubts, double_links
 from rodgen.analyse.curves.special_points import locate_branch_point
 from rodgen.analyse.equilibrium_search import check_imperfection, find_equilibrium
-from rodgen.analyse.memory_needs import BRANCH, check_analysis_memory
-from rodgen.analyse.ranges import check_bounds, check_inside
-from rodgen.analyse.rod_range import RodRange
+from rodgen.analyse.scaled_load import RodRange
 from rodgen.analyse.steady_rod import SteadyRod
 from rodgen.analyse.steady_state import SteadyState, find_steady_state
 from rodgen.errors import InputError

@@ -10,7 +10,7 @@ from rodgen.analyse.bordered import Matrix
 from rodgen.analyse.branches.equilibria import Equilibria
 from rodgen.analyse.equilibrium_equations import DenseBalance
 from rodgen.analyse.pencil import ImplicitBlocks, to_sparse
-from rodgen.analyse.rod_range import RodRange
+from rodgen.analyse.scaled_load import RodRange
 from rodgen.analyse.steady_rod import SteadyRod, Unknowns
 from rodgen.analyse.steady_state import SteadyState, straight_state
 from rodgen.arrays import Array

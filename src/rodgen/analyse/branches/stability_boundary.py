@@ -7,7 +7,12 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from rodgen.analyse.analysis_guard import guard_analysis
+from rodgen.analyse.analysis_guard import (
+    BOUNDARY,
+    check_analysis_memory,
+    check_bounds,
+    guard_analysis,
+)
 from rodgen.analyse.branches.boundary_equations import BoundaryProblem, ParameterPlane, Scale
 from rodgen.analyse.branches.stability_region import (
     GROWS,
@@ -20,9 +25,7 @@ from rodgen.analyse.critical import Critical, critical_load
 from rodgen.analyse.curves.continuation import StepControl
 from rodgen.analyse.curves.curve import Curve
 from rodgen.analyse.curves.curve_datasets import SPECIAL_ROWS, CurveFormat, extend, make_dataset
-from rodgen.analyse.memory_needs import BOUNDARY, check_analysis_memory
 from rodgen.analyse.modal import DIVERGENCE, FLUTTER
-from rodgen.analyse.ranges import check_bounds
 from rodgen.arrays import Array
 from rodgen.dataset_result import POINT, SPECIAL
 from rodgen.errors import AnalysisError, InputError

@@ -19,7 +19,7 @@ from rodgen.analyse.branches.equilibria import Equilibria
 from rodgen.analyse.eigenvalue_check import FullSpectrum
 from rodgen.analyse.eigenvalues import Complex
 from rodgen.analyse.pencil import Linear, MatrixPencil
-from rodgen.analyse.rod_range import RodRange
+from rodgen.analyse.scaled_load import RodRange
 from rodgen.analyse.small_motions import SmallMotions
 from rodgen.analyse.steady_rod import SteadyRod
 from rodgen.analyse.steady_state import SteadyState, has_drag

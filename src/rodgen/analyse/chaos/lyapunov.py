@@ -15,11 +15,9 @@ from types import ModuleType
 
 import numpy as np
 
-from rodgen.analyse.analysis_guard import guard_analysis
-from rodgen.analyse.chaos.metrics import Metric
-from rodgen.analyse.chaos.zero_exponents import zero_exponents
-from rodgen.analyse.chaos.zero_one import LEAST, decimate, zero_one_test
-from rodgen.analyse.memory_needs import EXPONENTS, check_analysis_memory
+from rodgen.analyse.analysis_guard import EXPONENTS, check_analysis_memory, guard_analysis
+from rodgen.analyse.chaos.metrics import Metric, zero_exponents
+from rodgen.analyse.chaos.poincare import LEAST, decimate, zero_one_test
 from rodgen.arrays import Array
 from rodgen.display import Plottable
 from rodgen.errors import AnalysisError, InputError

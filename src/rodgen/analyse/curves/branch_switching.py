@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Collection, Sequence
 
+from rodgen.analyse.analysis_guard import check_whole_number
 from rodgen.analyse.curves.continuation import StepControl, continue_curve
 from rodgen.analyse.curves.curve import (
     BRANCH,
@@ -13,7 +14,6 @@ from rodgen.analyse.curves.curve import (
     SpecialPoint,
     follow_both_ways,
 )
-from rodgen.analyse.ranges import check_whole_number
 from rodgen.errors import InputError
 
 

@@ -12,6 +12,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from rodgen.analyse.analysis_guard import check_positive, check_whole_number
 from rodgen.analyse.curves.curve import (
     BRANCH,
     FOLD,
@@ -24,7 +25,6 @@ from rodgen.analyse.curves.curve import (
 )
 from rodgen.analyse.curves.journal import Step, current_journal
 from rodgen.analyse.curves.special_points import find_special_points
-from rodgen.analyse.ranges import check_positive, check_whole_number
 from rodgen.arrays import Array
 from rodgen.errors import AnalysisError, InputError
 from rodgen.progress import report_stage

@@ -1,5 +1,6 @@
-"""Curves as xarray Datasets with one dimension along the curve: attributes, Ctrl-C, and the
-extension of saved curves."""
+"""Curves as xarray Datasets with one dimension along the curve: attributes, Ctrl-C, NetCDF files,
+and the extension of saved curves.
+"""
 
 from __future__ import annotations
 
@@ -12,12 +13,12 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from rodgen.analyse.analysis_guard import check_whole_number
 from rodgen.analyse.curves.curve import ContinuationProblem, Curve
-from rodgen.analyse.curves.curve_files import read
-from rodgen.analyse.ranges import check_whole_number
 from rodgen.arrays import Array
 from rodgen.dataset_result import SPECIAL, dataset_variables, register_accessor
 from rodgen.errors import BranchInterrupted, InputError
+from rodgen.integrate.files import atomic_write
 from rodgen.result import NOTES, Row, notes_as_text, notes_from
 from rodgen.scene import Scene
 
@@ -88,7 +89,7 @@ class CurveFormat:
 
     def read(self, path: Path) -> xarray.Dataset:
         """Read a curve of this kind from a file. Raises InputError for any other file."""
-        return read(path, self.argument, self.kind, self.name)
+        return read_curve(path, self.argument, self.kind, self.name)
 
     def resume_numbers(
         self, data: xarray.Dataset, scene: Scene, keys: Mapping[str, str], at: int
@@ -174,3 +175,27 @@ def _shift(branch: xarray.Dataset, points: int, length: xarray.DataArray) -> xar
     return branch.assign(
         special_after=branch["special_after"] + points, length=branch["length"] + length
     )
+
+
+def save_curve(data: xarray.Dataset, path: Path) -> None:
+    """Write a branch to a NetCDF file, whole or not at all."""
+    with atomic_write(path) as part:
+        data.to_netcdf(part, engine="scipy")
+
+
+def read_curve(path: Path, field: str, kind: str, *forms: str) -> xarray.Dataset:
+    """Read a branch from a NetCDF file. field: name of the argument; kind: of branch, in words;
+    forms: allowed values of its attribute `format`. Raises InputError for any other file."""
+    import xarray
+
+    register_accessor()
+    try:
+        with xarray.open_dataset(path, engine="scipy") as file:
+            data = file.load()
+    except (OSError, ValueError, TypeError, KeyError) as error:
+        reason = str(error).splitlines()[0] if str(error) else type(error).__name__
+        raise InputError(field, str(path), f"a NetCDF file that can be read ({reason})") from None
+    if data.attrs.get("format") not in forms:
+        allowed = " or ".join(map(repr, forms))
+        raise InputError(field, str(path), f"{kind} written by rodgen (format {allowed})")
+    return data

@@ -10,17 +10,15 @@ from typing import Any
 import numpy as np
 from scipy.interpolate import CubicHermiteSpline
 
+from rodgen.analyse.analysis_guard import check_whole_number
 from rodgen.analyse.cycles import transient
 from rodgen.analyse.cycles.cycle_result import PICARD, Cycle
 from rodgen.analyse.cycles.flow import Flow
-from rodgen.analyse.cycles.forcing import load_period
-from rodgen.analyse.cycles.newton_picard import LEADING, NewtonPicard
 from rodgen.analyse.cycles.orbit_collocation import OrbitCollocation
 from rodgen.analyse.cycles.periodicity import Lap, O, Orbit, OrbitSolver
-from rodgen.analyse.cycles.shooting import SEGMENTS, Shooting
-from rodgen.analyse.cycles.symmetry import SymmetryReduction
+from rodgen.analyse.cycles.shooting import LEADING, SEGMENTS, NewtonPicard, Shooting
+from rodgen.analyse.cycles.symmetry import SymmetryReduction, load_period
 from rodgen.analyse.cycles.transient import Return, extent, last_return, run_from
-from rodgen.analyse.ranges import check_whole_number
 from rodgen.arrays import Array
 from rodgen.errors import AnalysisError, InputError
 from rodgen.integrate.quantity_formulas import MotionSlice, loads_at_work

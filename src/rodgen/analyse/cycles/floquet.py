@@ -18,12 +18,16 @@ from types import ModuleType
 import numpy as np
 from numpy.typing import ArrayLike
 
-from rodgen.analyse.analysis_guard import guard_analysis
-from rodgen.analyse.chaos.zero_exponents import zero_exponents
+from rodgen.analyse.analysis_guard import (
+    FLOQUET,
+    check_analysis_memory,
+    check_positive,
+    check_whole_number,
+    guard_analysis,
+)
+from rodgen.analyse.chaos.metrics import zero_exponents
 from rodgen.analyse.cycles.elimination import Complex, multiplier_difference
-from rodgen.analyse.cycles.forcing import load_period
-from rodgen.analyse.memory_needs import FLOQUET, check_analysis_memory
-from rodgen.analyse.ranges import check_positive, check_whole_number
+from rodgen.analyse.cycles.symmetry import load_period
 from rodgen.analyse.statics import static_equilibrium
 from rodgen.arrays import Array
 from rodgen.display import Plottable

@@ -14,20 +14,24 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from rodgen.analyse.analysis_guard import guard_analysis
+from rodgen.analyse.analysis_guard import (
+    CYCLE,
+    check_analysis_memory,
+    check_positive,
+    check_whole_number,
+    guard_analysis,
+)
 from rodgen.analyse.curves.continuation import StepControl, continue_curve
 from rodgen.analyse.curves.curve import Curve, CurvePoint, correct, point_at
 from rodgen.analyse.curves.curve_datasets import SPECIAL_ROWS, CurveFormat, make_dataset
 from rodgen.analyse.cycles.conserved_quantities import ConservedQuantities
+from rodgen.analyse.cycles.cycle_problem import OrbitProblem
 from rodgen.analyse.cycles.cycle_result import Cycle
 from rodgen.analyse.cycles.cycle_search import CycleSearch, check_segments
 from rodgen.analyse.cycles.elimination import Complex
 from rodgen.analyse.cycles.flow import Flow
-from rodgen.analyse.cycles.orbit_problem import OrbitProblem
 from rodgen.analyse.cycles.periodicity import Orbit
 from rodgen.analyse.cycles.shooting import SEGMENTS, Shooting
-from rodgen.analyse.memory_needs import CYCLE, check_analysis_memory
-from rodgen.analyse.ranges import check_positive, check_whole_number
 from rodgen.analyse.steady_rod import SteadyRod
 from rodgen.analyse.steady_state import find_steady_state
 from rodgen.arrays import Array

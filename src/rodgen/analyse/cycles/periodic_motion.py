@@ -8,15 +8,18 @@ from typing import TYPE_CHECKING, Any
 
 from numpy.typing import ArrayLike
 
-from rodgen.analyse.analysis_guard import guard_analysis
+from rodgen.analyse.analysis_guard import (
+    CYCLE,
+    check_analysis_memory,
+    check_positive,
+    guard_analysis,
+)
 from rodgen.analyse.curves.mesh_check import cycle_doubts, double_links
 from rodgen.analyse.cycles.cycle_data import nearest_point, system_and_cycle_at
 from rodgen.analyse.cycles.cycle_result import PICARD, Cycle
 from rodgen.analyse.cycles.cycle_search import SHOOTING, WAYS, CycleSearch, check_segments
 from rodgen.analyse.cycles.nonlinear_modes import mode_of_initial_state
 from rodgen.analyse.cycles.shooting import SEGMENTS
-from rodgen.analyse.memory_needs import CYCLE, check_analysis_memory
-from rodgen.analyse.ranges import check_positive
 from rodgen.arrays import Array
 from rodgen.errors import InputError
 from rodgen.scene import Scene

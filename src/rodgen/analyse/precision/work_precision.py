@@ -13,7 +13,7 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
-from rodgen.analyse.memory_needs import PRECISION, check_analysis_memory
+from rodgen.analyse.analysis_guard import PRECISION, check_analysis_memory
 from rodgen.analyse.precision import method_families
 from rodgen.analyse.precision.contestant import (
     Contestant,

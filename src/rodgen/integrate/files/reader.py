@@ -9,11 +9,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rodgen.arrays import Array
-from rodgen.integrate.files.checksums import NO_STATS, RUNNING
-from rodgen.integrate.files.file_layout import WORK, changes_in, native_copy
+from rodgen.integrate.files.file_layout import NO_STATS, RUNNING, WORK, changes_in, native_copy
 from rodgen.integrate.files.result_file import ResultFile, as_input_error, warn_of_notes
-from rodgen.integrate.run_status import INTERRUPTED
 from rodgen.integrate.solution import Solution
+from rodgen.integrate.stepper import INTERRUPTED
 from rodgen.scene import Scene
 from rodgen.system import System
 

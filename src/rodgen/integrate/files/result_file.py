@@ -13,11 +13,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rodgen.errors import InputError
-from rodgen.integrate.files import checksums
-from rodgen.integrate.files.checksums import RUNNING, RunState
-from rodgen.integrate.files.file_layout import FORMAT, native_copy
+from rodgen.integrate.files import file_layout
+from rodgen.integrate.files.file_layout import FORMAT, RUNNING, RunState, native_copy
 from rodgen.integrate.files.netcdf import Header, RecordFile, read_header
-from rodgen.integrate.run_status import INTERRUPTED
+from rodgen.integrate.stepper import INTERRUPTED
 from rodgen.integrate.trajectory import Event
 from rodgen.scene import Scene
 
@@ -56,7 +55,7 @@ class ResultFile:
         self.notes: list[str] = []
         self._guessed = False
         self.header = header_of(path)
-        if checksums.CHECKSUM not in self.header.variables:
+        if file_layout.CHECKSUM not in self.header.variables:
             raise self._damage_error("its header")
         with as_input_error(path):
             self._file = RecordFile(path, self.header, "r")
@@ -71,9 +70,9 @@ class ResultFile:
 
     def _read_run(self) -> RunState:
         """Read how the run went, where the header is as it was written."""
-        fixed = checksums.checksum_of_header(self.header, self._file.read)
-        text = self._file.read_fixed(checksums.RUN).tobytes()
-        if not checksums.is_intact(text):
+        fixed = file_layout.checksum_of_header(self.header, self._file.read)
+        text = self._file.read_fixed(file_layout.RUN).tobytes()
+        if not file_layout.is_intact(text):
             self._report_damage("how the run went")
             self._guessed = True
             return self._guess(fixed)
@@ -134,16 +133,15 @@ class ResultFile:
         parts = [np.empty(0, bool)]
         for at in range(0, len(records), step):
             some = records[at : at + step]
-            parts.append(
-                checksums.checksums_of_records(some, at, self.run.fixed) == some[checksums.CHECKSUM]
-            )
+            sums = file_layout.checksums_of_records(some, at, self.run.fixed)
+            parts.append(sums == some[file_layout.CHECKSUM])
         return np.concatenate(parts)
 
     def events(self) -> tuple[Event, ...]:
         """Events that are good."""
         if "event_number" not in self.header.variables:
             return ()
-        number, t, y, found = (self._file.read_fixed(name) for name in checksums.EVENT)
+        number, t, y, found = (self._file.read_fixed(name) for name in file_layout.EVENT)
         kept = self._good_events(number, t, y, found)
         with as_input_error(self.path):
             names = [self.scene.events[k].name for k in number[kept]]
@@ -156,13 +154,13 @@ class ResultFile:
         good = np.zeros(count, bool)
         for k in range(min(count, len(number))):
             good[k] = (
-                checksums.checksum_of_event(k, number[k], t[k], y[k], self.run.fixed) == found[k]
+                file_layout.checksum_of_event(k, number[k], t[k], y[k], self.run.fixed) == found[k]
             )
         if not good.all():
             self._report_damage(f"{count - good.sum()} of its {count} events")
         # The one behind them may have been half written when the run was killed.
         empty = count + (self.run.status == RUNNING)
-        if not checksums.is_empty(*(values[empty:] for values in (number, t, y, found))):
+        if not file_layout.is_empty(*(values[empty:] for values in (number, t, y, found))):
             self._report_damage("what lies behind its events")
         return np.flatnonzero(good)
 

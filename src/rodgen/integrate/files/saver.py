@@ -1,32 +1,100 @@
-"""Saving of a run to disk: samples as they come, and states from which it can go on."""
+"""Saving of a run to disk: samples as they come, and checkpoints beside the result, states from
+which it can go on.
+"""
 
 from __future__ import annotations
 
+import hashlib
+import io
+import json
 import math
 import time
-from collections.abc import Callable
+import zipfile
+from collections.abc import Callable, Mapping
 from pathlib import Path
 from types import ModuleType
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
 
 from rodgen.errors import InputError
 from rodgen.integrate.events import EventDetector
-from rodgen.integrate.files import checkpoint as files
-from rodgen.integrate.files.checksums import RUNNING, RunState
+from rodgen.integrate.files import atomic_write
+from rodgen.integrate.files.file_layout import RUNNING, RunState
 from rodgen.integrate.files.reader import solution_of
 from rodgen.integrate.files.result_file import ResultFile
 from rodgen.integrate.files.stream import Stream
-from rodgen.integrate.integrator import Integrator, State
 from rodgen.integrate.quantity_formulas import loads_at_work
 from rodgen.integrate.recorder import Recorder
-from rodgen.integrate.run_status import ENDED, FINISHED
 from rodgen.integrate.solution import Solution
-from rodgen.integrate.stepper import Stats
+from rodgen.integrate.stepper import ENDED, FINISHED, Stats
+from rodgen.integrate.stretches import Integrator, State
 from rodgen.system import System
+
+Number = float | int | str
+NUMBERS = "numbers"  # the entry that holds them, as JSON; arrays are named array_<name>
+ARRAY = "array_"
+DIGITS = hashlib.sha256().digest_size * 2
 
 IN_MEMORY = 20_000  # samples of a file that a Solution has at most
 ROOM = 4096  # events that a file has room for
 _NOTHING = {"samples": 0, "events": 0, "seconds": 0.0}  # what a run without a checkpoint has
 PATIENCE = 2.0  # seconds after which samples are written, whether a block is full or not
+
+
+def checkpoint_path(result: Path) -> Path:
+    """Path of the checkpoint of a result file: run.nc has run.nc.checkpoint."""
+    return result.with_name(result.name + ".checkpoint")
+
+
+def write_checkpoint(
+    path: Path, arrays: Mapping[str, NDArray[Any]], numbers: Mapping[str, Number]
+) -> None:
+    """Write arrays and numbers, whole or not at all, in place of what was there.
+
+    The file is an .npz; its comment is the SHA-256 of all before it. Raises TypeError for arrays
+    of objects and values that are no numbers or text, InputError where there is no such folder.
+    """
+    for name, array in arrays.items():
+        if array.dtype.hasobject:
+            raise TypeError(f"{name} holds objects of Python")
+    entries: dict[str, Any] = {ARRAY + name: array for name, array in arrays.items()}
+    entries[NUMBERS] = np.array(json.dumps(dict(numbers), default=_to_python))
+    buffer = io.BytesIO()
+    np.savez(buffer, **entries)
+    with zipfile.ZipFile(buffer, "a") as archive:
+        archive.comment = b"-" * DIGITS
+    content = buffer.getvalue()[:-DIGITS]
+    with atomic_write(path, "checkpoint") as part:
+        part.write_bytes(content + _digest(content))
+
+
+def read_checkpoint(path: Path) -> tuple[dict[str, NDArray[Any]], dict[str, Number]]:
+    """Read the arrays and numbers that `write` was given; raises InputError for damaged and for
+    other files."""
+    try:
+        stored = path.read_bytes()
+    except OSError as error:
+        allowed = f"a file that can be read ({error.strerror})"
+        raise InputError("checkpoint", str(path), allowed) from None
+    content, digest = stored[:-DIGITS], stored[-DIGITS:]
+    if digest != _digest(content):
+        raise InputError("checkpoint", str(path), "one of rodgen's, and as it was written")
+    with np.load(io.BytesIO(stored), allow_pickle=False) as entries:
+        arrays = {name[len(ARRAY) :]: entries[name] for name in entries if name != NUMBERS}
+        return arrays, json.loads(str(entries[NUMBERS]))
+
+
+def _digest(content: bytes) -> bytes:
+    return hashlib.sha256(content).hexdigest().encode()
+
+
+def _to_python(value: object) -> object:
+    """Convert a number of NumPy's to one of Python's."""
+    if isinstance(value, np.generic):
+        return value.item()
+    raise TypeError(f"{value!r} is no number")
 
 
 def check_interval(seconds: float | None, field: str = "checkpoint") -> None:
@@ -66,7 +134,7 @@ class Saver:
         works = loads_at_work(model)
         room = ROOM if system.events else 0
         # First: a state of another run beside a file would be taken for its own.
-        files.checkpoint_path(Path(out)).unlink(missing_ok=True)
+        checkpoint_path(Path(out)).unlink(missing_ok=True)
         stream = Stream.create(Path(out), system, model, works, room)
         return cls(system, model, stream, every)
 
@@ -81,8 +149,8 @@ class Saver:
             if file.run.status in ENDED:
                 allowed = f"of a run to go on with; this one {_end_clause(file.run)}"
                 raise InputError("file", str(path), allowed)
-        at = files.checkpoint_path(path)
-        state, numbers = files.read(at) if at.exists() else ({}, _NOTHING)
+        at = checkpoint_path(path)
+        state, numbers = read_checkpoint(at) if at.exists() else ({}, _NOTHING)
         try:
             samples, events = int(numbers["samples"]), int(numbers["events"])
             # What is behind them is computed again, whether it is damaged or not.
@@ -157,7 +225,7 @@ class Saver:
             "seconds": self._stats().wall_seconds,
             "module": _module_key(self.model),
         }
-        files.write(files.checkpoint_path(self.stream.path), state, numbers)
+        write_checkpoint(checkpoint_path(self.stream.path), state, numbers)
 
     def finish(self, status: str, message: str, stats: Stats) -> Solution:
         """Write the last samples and how the run ended; return the Solution, thinned if long."""
@@ -168,7 +236,7 @@ class Saver:
         self._write()
         self.stream.finish(status, message, stats)
         if status in ENDED:
-            files.checkpoint_path(path).unlink(missing_ok=True)
+            checkpoint_path(path).unlink(missing_ok=True)
         with ResultFile(path) as file:
             records, good = file.unchecked_samples()
             solution = solution_of(file, records, good, IN_MEMORY)

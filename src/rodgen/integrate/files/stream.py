@@ -12,12 +12,14 @@ import numpy as np
 
 from rodgen.arrays import Array
 from rodgen.errors import InputError
-from rodgen.integrate.files import atomic_write, checksums
-from rodgen.integrate.files.checksums import NO_STATS, RUNNING, RunState
+from rodgen.integrate.files import atomic_write, file_layout
 from rodgen.integrate.files.file_layout import (
     GIVEN,
+    NO_STATS,
     PARAMETERS,
+    RUNNING,
     WORK,
+    RunState,
     check_layout,
     contents,
     variables_of,
@@ -48,7 +50,7 @@ class Stream:
         self.path, self.system, self.model = path, system, model
         self._file = RecordFile(path, header)
         try:
-            self._run = RunState.of(self._file.read_fixed(checksums.RUN).tobytes(), path)
+            self._run = RunState.of(self._file.read_fixed(file_layout.RUN).tobytes(), path)
         except InputError:
             self.close()
             raise
@@ -80,7 +82,7 @@ class Stream:
         """
         with atomic_write(path) as part:
             parts = contents(system, model, work_terms, events, changed)
-            part.write_bytes(_with_run_text(empty_file(*parts, aligned=checksums.RUN)))
+            part.write_bytes(_with_run_text(empty_file(*parts, aligned=file_layout.RUN)))
         return cls(path, open_header(path)[0], system, model)
 
     @classmethod
@@ -152,7 +154,7 @@ class Stream:
         for name, quantity in found.items():
             records[name] = quantity.values
         first = self.count
-        records[checksums.CHECKSUM] = checksums.checksums_of_records(
+        records[file_layout.CHECKSUM] = file_layout.checksums_of_records(
             records, first, self._run.fixed
         )
         self._file.append(records)
@@ -168,7 +170,7 @@ class Stream:
         if run.events == self._capacity:
             self._write_run(run._replace(lost=run.lost + 1))
             return
-        checksum = checksums.checksum_of_event(run.events, number, t, y, run.fixed)
+        checksum = file_layout.checksum_of_event(run.events, number, t, y, run.fixed)
         self._put_event(run.events, number, t, y, checksum)
         self._write_run(run._replace(events=run.events + 1))
 
@@ -215,7 +217,7 @@ class Stream:
         self._write_run(self._run._replace(notes=notes))
 
     def _write_run(self, run: RunState) -> None:
-        self._file.put_text(checksums.RUN, run.text())
+        self._file.put_text(file_layout.RUN, run.text())
         self._run = run
 
     def finish(self, status: str, message: str, stats: Stats) -> None:
@@ -238,7 +240,7 @@ class Stream:
 def _with_run_text(image: bytes) -> bytes:
     """Put the text of the run, with the checksum of the rest, into a file without samples."""
     header = read_header(io.BytesIO(image))
-    fixed = checksums.checksum_of_header(header, lambda at, size: image[at : at + size])
-    at = header.variables[checksums.RUN].begin
+    fixed = file_layout.checksum_of_header(header, lambda at, size: image[at : at + size])
+    at = header.variables[file_layout.RUN].begin
     text = RunState(fixed=fixed).text()
     return image[:at] + text + image[at + len(text) :]

@@ -11,10 +11,9 @@ from numpy.typing import NDArray
 from rodgen.arrays import Array
 from rodgen.emit.targets import target_of
 from rodgen.integrate.events import EventDetector, Found, SwitchProgress
-from rodgen.integrate.integrator import EventStop, State
-from rodgen.integrate.mass_jumps import ROW, MassJumps
 from rodgen.integrate.recorder import Recorder
 from rodgen.integrate.stepper import Counts, StepError
+from rodgen.integrate.stretches import EMPTYING_ROW, EventStop, MassJumps, State
 from rodgen.model.methods import COMPILED, EITHER
 from rodgen.native.native_run import IMPLICIT
 from rodgen.scene.integration import AUTO, IntegrationTable
@@ -42,7 +41,7 @@ def initial_parts(settings: IntegrationTable, target: str | None) -> tuple[str, 
 
 
 class CompiledIntegrator:
-    """Integrator of a run by a method of the C module (see integrator.Integrator)."""
+    """Integrator of a run by a method of the C module (see stretches.Integrator)."""
 
     def __init__(self, model: ModuleType, p: Array, settings: IntegrationTable, t: float, y: Array):
         self._model = model
@@ -85,7 +84,7 @@ class CompiledIntegrator:
     def begin(self, end: float, low: float, high: float, longest: float) -> None:
         come = self._jumps.begin(self.t, self.y, end, low, high)
         if come:
-            self._run.state[ROW] += come
+            self._run.state[EMPTYING_ROW] += come
         self._stretch = low, high, longest
         self._switch = SwitchProgress(end, self.t)
         self._check_status(self._run.begin(end, low, high, longest))
@@ -105,13 +104,13 @@ class CompiledIntegrator:
     def works(self, recorder: Recorder) -> Array:
         work: Array = self._run.state[self._states :].copy()
         if come := self._jumps.gain_at_end(self.t, self.y):
-            work[ROW] += come
+            work[EMPTYING_ROW] += come
         return work
 
     def _add_mass_jump(self, times: Array, rows: Array) -> None:
         """Add to the sample at the end of the stretch the energy of masses that jump there."""
         if len(times) and (come := self._jumps.gain_at_end(float(times[-1]), self.y)):
-            rows[len(times) - 1, ROW] += come
+            rows[len(times) - 1, EMPTYING_ROW] += come
 
     def _adapt(self, status: int, took: float) -> None:
         """Adapt the steps that are taken at a time to the length of a slice."""

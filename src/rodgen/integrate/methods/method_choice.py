@@ -6,11 +6,11 @@ from dataclasses import dataclass
 from types import ModuleType
 
 from rodgen.arrays import Array
-from rodgen.integrate.integrator import Integrator
 from rodgen.integrate.methods.compiled_integrator import CompiledIntegrator
 from rodgen.integrate.methods.python_integrator import PythonIntegrator
 from rodgen.integrate.stability import Dominant, dominant, step_limit
 from rodgen.integrate.stepper import StepError
+from rodgen.integrate.stretches import Integrator
 from rodgen.model.methods import COLLOCATION
 from rodgen.result import Note, doubt
 from rodgen.scene import Scene

@@ -13,11 +13,8 @@ import numpy as np
 
 from rodgen.arrays import Array
 from rodgen.integrate.events import EventDetector, SwitchProgress
-from rodgen.integrate.integrator import EventStop, State
-from rodgen.integrate.mass_jumps import ROW, MassJumps
-from rodgen.integrate.methods.fixed_step import FixedStep
 from rodgen.integrate.methods.gauss_steps import GaussEqualSteps, GaussStep
-from rodgen.integrate.methods.library_steppers import CvodeStep, ScipyStep
+from rodgen.integrate.methods.python_steppers import CvodeStep, FixedStep, ScipyStep
 from rodgen.integrate.recorder import Recorder
 from rodgen.integrate.stability import extra_states_of, largest_stable_step
 from rodgen.integrate.stepper import (
@@ -27,6 +24,7 @@ from rodgen.integrate.stepper import (
     StepError,
     Stepper,
 )
+from rodgen.integrate.stretches import EMPTYING_ROW, EventStop, MassJumps, State
 from rodgen.model.methods import TABLEAUX
 from rodgen.model.rod import BOUNDARIES
 from rodgen.scene.integration import IntegrationTable
@@ -55,7 +53,7 @@ def make_stepper(problem: InitialValueProblem) -> Stepper:
 
 
 class PythonIntegrator:
-    """Integrator of a run by a stepper in Python (see integrator.Integrator)."""
+    """Integrator of a run by a stepper in Python (see stretches.Integrator)."""
 
     def __init__(self, model: ModuleType, p: Array, settings: IntegrationTable, t: float, y: Array):
         self._model, self._p, self._settings = model, p, settings
@@ -228,7 +226,7 @@ class PythonIntegrator:
         self._work.flush(recorder)
         totals = self._work.totals.copy()
         if come := self._work.come + self._jumps.gain_at_end(self.t, self.y):
-            totals[ROW] += come
+            totals[EMPTYING_ROW] += come
         return totals
 
     def state(self) -> State:
@@ -282,7 +280,7 @@ class WorkQuadrature:
         ends = np.array([sample for some in samples for sample in some])
         last = np.cumsum([len(some) for some in widths]) - 1
         first = np.concatenate(([0], last[:-1] + 1))
-        totals, jumps = self.totals.copy(), len(power) + ROW
+        totals, jumps = self.totals.copy(), len(power) + EMPTYING_ROW
         for at, values in enumerate(power.values()):
             stretches = width * (values.reshape(-1, len(NODES)) @ WEIGHTS)
             stretches[first] += come if at == jumps else 0.0

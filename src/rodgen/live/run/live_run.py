@@ -10,8 +10,7 @@ from collections.abc import Callable
 import numpy as np
 
 from rodgen.errors import InputError
-from rodgen.integrate.run_status import FAILED, FINISHED
-from rodgen.integrate.stepper import Stats
+from rodgen.integrate.stepper import FAILED, FINISHED, Stats
 from rodgen.live.open_run import Live, LiveError, Samples
 from rodgen.live.panel_rows import RunStatus
 from rodgen.live.plot_quantities import Catalogue

@@ -11,22 +11,24 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from rodgen.errors import InputError
-from rodgen.model.fixtures import (
+from rodgen.model.rod import (
     AT_IN_MODULE,
     BODY,
+    BOUNDARIES,
+    CHANGING_BODY,
+    CLAMP_ANGLE,
+    MASS_PER_LENGTH,
+    ROD,
+    SPRING,
     STATE,
     STATE_AT_START,
-    TANK,
 )
-from rodgen.model.parameter import ANY, JOINTS, LINKS, NOT_NEGATIVE, Parameter
-from rodgen.model.rod import BOUNDARIES, CLAMP_ANGLE, MASS_PER_LENGTH, ROD, SPRING
-from rodgen.model.term import Term
+from rodgen.model.term import ANY, JOINTS, LINKS, NOT_NEGATIVE, Parameter, Term
 from rodgen.model.terms import TERMS
 from rodgen.scene import Scene
 from rodgen.scene.keys import set_values
-from rodgen.scene.literals import literals
+from rodgen.scene.literals import literals, number_parameter
 from rodgen.scene.load_tables import FinFactor
-from rodgen.scene.number_names import number_parameter
 from rodgen.scene.plain_tables import get_at, parse_toml
 
 LARGEST = 2**20  # bytes of a scene, unpacked
@@ -96,7 +98,7 @@ def groups_of(scene: Scene) -> Iterator[FieldGroup]:
     yield FieldGroup("rod", scene.rod, rod, left_out=straight)
     for at, body in enumerate(scene.bodies):
         group = FieldGroup(f"bodies.{at}", body, BODY, f" of {body.name}")
-        yield group._replace(rows=TANK) if isinstance(body.mass, str) else group
+        yield group._replace(rows=CHANGING_BODY) if isinstance(body.mass, str) else group
     for name in scene.loads.terms:
         term = TERMS[name]
         one = term.parameters[0]

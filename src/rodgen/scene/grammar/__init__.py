@@ -9,8 +9,16 @@ The text is parsed to a syntax tree (which runs nothing), every node of it is ch
 the list above, and the tree is walked to compute values, to find break points and to print code.
 """
 
-from rodgen.scene.grammar.affine import affine_core, scale_and_offset
-from rodgen.scene.grammar.code_generation import NUMPY, Language, to_source
+from rodgen.scene.grammar.code_generation import (
+    NUMPY,
+    Functions,
+    Language,
+    constant_parts,
+    evaluate,
+    is_whole_number,
+    table_numbers,
+    to_source,
+)
 from rodgen.scene.grammar.derivatives import (
     Pair,
     conditions,
@@ -19,14 +27,13 @@ from rodgen.scene.grammar.derivatives import (
     kinks,
     tables_in_variable,
 )
-from rodgen.scene.grammar.evaluation import (
-    Functions,
-    constant_parts,
-    evaluate,
-    is_whole_number,
-    table_numbers,
+from rodgen.scene.grammar.substitution import (
+    abbreviate,
+    affine_core,
+    replace_names,
+    replace_numbers,
+    scale_and_offset,
 )
-from rodgen.scene.grammar.substitution import abbreviate, replace_names, replace_numbers
 from rodgen.scene.grammar.suggestions import suggest, syntax_error
 from rodgen.scene.grammar.syntax_tree import (
     MOST_KNOTS,

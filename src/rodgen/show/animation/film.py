@@ -23,8 +23,7 @@ from rodgen.show.animation.film_files import check_file, find_ffmpeg, open_write
 from rodgen.show.animation.frame_times import FilmSettings, FramePlan, plan_frames
 from rodgen.show.animation.motion import MotionSamples, choose_camera, ground_grid, sample_motion
 from rodgen.show.animation.stage import GRID, LoadArrows, Stage
-from rodgen.show.canvas import BED, BODY, CENTRE, EDGE, FIXED, INK, MOMENTS, PAPER, TAIL
-from rodgen.show.rod_marks import start_name
+from rodgen.show.canvas import BED, BODY, CENTRE, EDGE, FIXED, INK, MOMENTS, PAPER, TAIL, start_name
 
 LARGEST = 1e15  # of any state: beyond, a double has no digits left for the shape
 PALETTE = 8  # frames from which a GIF has its colours

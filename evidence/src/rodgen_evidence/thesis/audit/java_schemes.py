@@ -15,7 +15,7 @@ import numpy as np
 from sympy import Rational, S, Symbol
 
 from rodgen.derive.symbols import x0, y0
-from rodgen.integrate.methods.fixed_step import explicit_step
+from rodgen.integrate.methods.python_steppers import explicit_step
 from rodgen.model.methods import TABLEAUX
 from rodgen_evidence.thesis.audit.claim import READ, Claim, Entries
 from rodgen_evidence.thesis.audit.java_equation import MISSPELLED, FreeRodModel

@@ -1,19 +1,34 @@
-"""Pictures of Lyapunov exponents: the convergence of their means, and their spectrum."""
+"""Pictures of spectra: of motions, and of Lyapunov exponents with their means over time."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Mapping, Sequence
+from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from rodgen.analyse.chaos.lyapunov import Exponents
-from rodgen.show.canvas import ALONG, CURVE, FAINT, LINE, make_figure
+from rodgen.analyse.spectrum import Spectrum
+from rodgen.display import Plottable
+from rodgen.show.canvas import ALONG, CURVE, FAINT, LINE, SPECIAL, make_figure
 
 CURVES = 12  # of means that settle
 NAMED = 6  # of these, with a name each
 SPECTRUM = 3  # exponents from which on there is a picture of all of them
+
+
+def spectral_density(found: Spectrum) -> Figure:
+    """Spectral density over frequency, with a line at every peak."""
+    figure = make_figure(6.5, 4.0)
+    axes = figure.add_subplot()
+    axes.semilogy(found.bins[1:], found.density[1:], color=CURVE, linewidth=LINE)
+    for frequency in found.frequencies:
+        axes.axvline(frequency, color=SPECIAL, linewidth=0.8, linestyle=":")
+    axes.set(xlabel="frequency [Hz]", ylabel="density [unit^2/Hz]")
+    axes.grid(alpha=0.3)
+    return figure
 
 
 def convergence(found: Exponents, name: str) -> Figure:
@@ -64,4 +79,7 @@ def _spectrum(axes: Axes, found: Exponents) -> None:
     axes.grid(alpha=0.3)
 
 
-PICTURES_OF = {Exponents: {"means": lambda found: convergence(found, found.scene.name)}}
+PICTURES_OF: dict[type[Plottable], Mapping[str, Callable[[Any], Figure]]] = {
+    Exponents: {"means": lambda found: convergence(found, found.scene.name)},
+    Spectrum: {"density": spectral_density},
+}
