@@ -70,7 +70,7 @@ class ImplicitForm:
         return {d: self._derivative([joint_x[i + d], joint_y[i + d]], 0) for d in JOINTS}
 
     @cached_property
-    def lever_derivatives(self) -> tuple[Matrix, Matrix]:
+    def link_velocity_derivatives(self) -> tuple[Matrix, Matrix]:
         """Derivatives of the velocity that link i adds from start to end, by angle and by rate."""
         _, _, *velocity = link_step(i, S.One)
         return Matrix(velocity).diff(phi[i]), Matrix(velocity).diff(omega[i])

@@ -145,7 +145,10 @@ def _finding(row: Row) -> str:
 
 
 def _findings() -> Iterator[str]:
-    yield from ("| `what =` | what can be kept; **bold** is kept if none is named |", "|---|---|")
+    yield from (
+        "| `analysis =` | what can be kept; **bold** is kept if none is named |",
+        "|---|---|",
+    )
     for what in ANALYSES:
         kept = ", ".join(map(_finding, rows_of(what).values()))
         yield f'| `"{what}"` | {kept} |'

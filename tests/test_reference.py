@@ -7,8 +7,6 @@ from pathlib import Path
 
 import pytest
 
-from rodgen.studies.analysis_results import ANALYSES
-from rodgen.studies.study import WHAT
 from tests import reference
 
 
@@ -39,8 +37,3 @@ def test_kept_modules_are_those_under_version_control() -> None:
     }
     listed = (reference.GENERATED / ".gitignore").read_text(encoding="utf-8")
     assert {*re.findall(r"^!(rod_\w+\.\w+)$", listed, re.M)} == kept
-
-
-def test_every_kind_of_study_is_in_the_table_of_the_docs() -> None:
-    """But a run, of which everything is kept."""
-    assert {*ANALYSES} == {*WHAT} - {"run"}

@@ -48,7 +48,7 @@ def prove_explicit(
     """Compare every entry of M, Q, K and the loads at n links; raises DisagreementError."""
     derived = ExplicitDerivation(links, boundary, inertia, tuple(nonuniform), tuple(terms))
     closed = _closed_form(derived)
-    compare = _Compare(derived)
+    compare = _Comparer(derived)
     yield compare("M", derived.mass_matrix, closed.M())
     for row, rest in enumerate(derived.remainder):
         for factor, coefficient in rest.items():
@@ -131,7 +131,7 @@ def _column(entries: Sequence[Any]) -> list[list[Any]]:
     return [[entry] for entry in entries]
 
 
-class _Compare:
+class _Comparer:
     """Comparison of matrices of polynomials, entry by entry."""
 
     def __init__(self, derived: ExplicitDerivation):

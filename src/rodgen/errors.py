@@ -175,7 +175,7 @@ class StudyError(RuntimeError):
     >>> import rodgen
     >>> scene, vary = rodgen.Scene.example("ziegler"), {"loads.follower.force": [1.5, 3.0]}
     >>> try:
-    ...     data = rodgen.study(scene, vary, what="modes", keep=["stable"], workers=1)
+    ...     data = rodgen.study(scene, vary, analysis="modes", keep=["stable"], workers=1)
     ... except rodgen.StudyError as error:
     ...     print(error)  # the store, if one was given, has what was done
     """

@@ -173,7 +173,7 @@ class Result(Tabular):
 
     def __dir__(self) -> list[str]:
         """Names that editors complete."""
-        return [name for name in super().__dir__() if name != "ROWS"]
+        return [name for name in super().__dir__() if name not in ("ROWS", "with_notes")]
 
     @property
     def doubts(self) -> tuple[Note, ...]:

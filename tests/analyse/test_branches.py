@@ -53,7 +53,7 @@ def test_the_bent_branch_is_the_elastica() -> None:
     ns, tails = (10, 20, 40), []
     for n in ns:
         scene = rod(n, "clamped", DEAD)
-        found = continue_equilibria(scene, AXIAL, (0.0, -load * UNIT), switch=1, step=0.1)
+        found = continue_equilibria(scene, AXIAL, (0.0, -load * UNIT), branch_point=1, step=0.1)
         assert found["unstable"].values.tolist() == [0] * found.sizes["point"]
         first, last = found["tip"].values[[0, -1]]
         assert first[1] == pytest.approx(-last[1], rel=1e-9)
@@ -138,13 +138,13 @@ def test_a_file_is_gone_on_from(tmp_path: Path) -> None:
     part = continue_equilibria(scene, AXIAL, (0.0, -9.0))
     curve_datasets.save_curve(part, tmp_path / "branch.nc")
     read = equilibrium_data.FORMAT.read(tmp_path / "branch.nc")
-    back = continue_equilibria(scene, AXIAL, (0.0, -20.0), resume=read, at=0)
+    back = continue_equilibria(scene, AXIAL, (0.0, -20.0), resume=read, point=0)
     # The first point is that of the unloaded rod, on its edge.
     assert back.sizes["point"] == part.sizes["point"]
     with pytest.raises(InputError, match=r"^resume = 'loads\.tip\.x'"):
         continue_equilibria(scene, "loads.tip.y", (0.0, 1.0), resume=read)
-    with pytest.raises(InputError, match=rf"^at = {len(part['value'])}"):
-        continue_equilibria(scene, AXIAL, (0.0, -20.0), resume=read, at=len(part["value"]))
+    with pytest.raises(InputError, match=rf"^point = {len(part['value'])}"):
+        continue_equilibria(scene, AXIAL, (0.0, -20.0), resume=read, point=len(part["value"]))
     read["y"].values[-1] += 0.1
     with pytest.raises(AnalysisError):
         continue_equilibria(scene, AXIAL, (0.0, -20.0), resume=read)
@@ -163,7 +163,7 @@ def test_a_scene_at_a_point_of_a_branch_is_at_rest() -> None:
         rates = model.rhs(0.0, there.initial_state(), model.parameters(**there.parameters))
         assert np.abs(rates).max() < 1e-8
         assert there.loads.value("tip_force_x") == float(found["value"][at])
-    with pytest.raises(InputError, match=r"^at = "):
+    with pytest.raises(InputError, match=r"^point = "):
         equilibrium_data.scene_at(found, found.sizes["point"])
 
 

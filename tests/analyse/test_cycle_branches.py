@@ -91,7 +91,7 @@ def test_a_scene_at_a_point_of_a_branch_starts_on_its_cycle() -> None:
         assert start == 20.0
         run = rodgen.simulate(scene, span=[start, start + period], rtol=1e-10, atol=1e-12)
         np.testing.assert_allclose(run.y[-1], run.y[0], atol=1e-7 * np.abs(run.y).max())
-    with pytest.raises(InputError, match=r"^at = "):
+    with pytest.raises(InputError, match=r"^point = "):
         cycle_data.scene_at(found, found.sizes["point"])
 
 

@@ -33,7 +33,9 @@ def _pressed(a: float) -> Scene:
 
 @pytest.fixture(scope="module")
 def doubled() -> Any:
-    return continue_cycles(_pressed(0.45), AMPLITUDE, (0.4, 0.7), start="run", switch=1, most=12)
+    return continue_cycles(
+        _pressed(0.45), AMPLITUDE, (0.4, 0.7), start="run", branch_point=1, max_points=12
+    )
 
 
 @pytest.mark.slow
@@ -49,8 +51,10 @@ def test_cycles_of_twice_the_period_go_from_a_period_doubling(doubled: Any) -> N
     assert (np.diff(value) > 0).all()
     assert amplitude[-1] > 3 * amplitude[0]
     assert (doubled["unstable"].values == 0).all()
-    with pytest.raises(InputError, match=r"^switch = 1"):  # nothing doubles there
-        continue_cycles(_pressed(0.45), AMPLITUDE, (0.44, 0.46), start="run", switch=1, most=3)
+    with pytest.raises(InputError, match=r"^branch_point = 1"):  # nothing doubles there
+        continue_cycles(
+            _pressed(0.45), AMPLITUDE, (0.44, 0.46), start="run", branch_point=1, max_points=3
+        )
 
 
 @pytest.mark.slow
@@ -70,25 +74,27 @@ def test_cycles_begin_in_a_hopf_point_of_a_branch_of_equilibria() -> None:
     scene, ends = COLUMN, (8.0, 22.0)
     branch = continue_equilibria(scene, FORCE, ends)
     number = branch["special_kind"].values.tolist().index("hopf") + 1
-    found = continue_cycles(scene, FORCE, ends, start=branch, at=number, most=3)
-    expected = continue_cycles(scene, FORCE, ends, most=3)
+    found = continue_cycles(scene, FORCE, ends, start=branch, point=number, max_points=3)
+    expected = continue_cycles(scene, FORCE, ends, max_points=3)
     for name in ("special_value", "special_frequency"):
         assert float(found[name][0]) == pytest.approx(float(expected[name][0]), rel=1e-9)
     assert found.attrs["lyapunov"] == pytest.approx(expected.attrs["lyapunov"], rel=1e-6)
     np.testing.assert_allclose(found["period"].values, expected["period"].values, rtol=1e-7)
     for at in (number + 1, "first"):
-        with pytest.raises(InputError, match=r"^at = "):
-            continue_cycles(scene, FORCE, ends, start=branch, at=at)
+        with pytest.raises(InputError, match=r"^point = "):
+            continue_cycles(scene, FORCE, ends, start=branch, point=at)
     key = "loads.internal_damping.coefficient"
     with pytest.raises(InputError, match=rf"^start = '{FORCE}'"):
-        continue_cycles(scene, key, (0.1, 0.4), start=branch, at=number)
+        continue_cycles(scene, key, (0.1, 0.4), start=branch, point=number)
 
 
 @pytest.mark.nightly  # a branch of a free rod of ten links, twice
 def test_a_free_rod_that_turns_with_every_period() -> None:
     """From the branch point at 95.097 N cycles go that turn either way: mirror images."""
     scene = Scene.example("free_rod_after_flutter")
-    found = continue_cycles(scene, "loads.follower.force", (75.0, 110.0), switch=2, most=40)
+    found = continue_cycles(
+        scene, "loads.follower.force", (75.0, 110.0), branch_point=2, max_points=40
+    )
     assert float(found["special_value"][0]) == pytest.approx(95.0972543, rel=1e-8)
     angle, value = found["angle"].values, found["value"].values
     at = int(np.abs(angle).argmin())

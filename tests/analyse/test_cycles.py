@@ -50,10 +50,10 @@ def test_by_runs_of_scipy(cycle: Cycle) -> None:
     ("how", "by"),
     [
         ({}, "collocation"),
-        ({"by": "shooting"}, "shooting"),
+        ({"method": "shooting"}, "shooting"),
         *(({"segments": count}, "shooting") for count in (1, 3, 20)),
         # Newton's method on a few directions, Picard's iteration on the rest.
-        *(({"multipliers": count}, "picard") for count in (2, 4)),
+        *(({"multipliers": count}, "newton_picard") for count in (2, 4)),
     ],
     ids=str,
 )
@@ -62,7 +62,7 @@ def test_every_way_finds_the_cycle_of_a_run(cycle: Cycle, how: dict[str, Any], b
     assert cycle.error < 1e-9
     near = {} if by == "collocation" else {"y0": NEAR, "period": ABOUT}
     found = find_cycle(COLUMN, **near, **how)
-    assert found.by == by
+    assert found.method == by
     assert found.period == pytest.approx(cycle.period, rel=1e-9)
     count = how.get("multipliers", len(cycle.multipliers))
     # In the order of their moduli.
@@ -105,7 +105,7 @@ def test_stiff_cycles_by_radau() -> None:
     x = leading.y0[flow.quotient.kept]
     assert flow.choose_method(0.0, x, leading.period).method == "radau"
     whole = find_cycle(scene, y0=leading.y0, period=leading.period)
-    assert whole.by == "collocation"
+    assert whole.method == "collocation"
     assert whole.period == pytest.approx(leading.period, rel=1e-9)
     sizes = np.abs(whole.multipliers)
     np.testing.assert_allclose(sizes[:3], np.abs(leading.multipliers), atol=1e-8)
@@ -120,7 +120,7 @@ def test_a_kink_takes_more_intervals_and_what_is_left_is_told() -> None:
     found = find_cycle(scene, y0=NEAR, period=ABOUT)
     assert 1e-10 < found.error < 1e-6
     assert found.trivial_error < 10 * found.error
-    shot = find_cycle(scene, y0=found.y0, period=found.period, by="shooting")
+    shot = find_cycle(scene, y0=found.y0, period=found.period, method="shooting")
     assert shot.period == pytest.approx(found.period, rel=1e-9)
     assert np.abs(shot.nontrivial[0] - found.nontrivial[0]) < 1e-5
 
@@ -132,7 +132,7 @@ def test_what_is_doubtful_about_a_cycle_is_among_its_notes() -> None:
     model, y0 = rodgen.build(kept, "numpy"), kept.initial_state()
     about: dict[str, Any] = {"t": 0.0, "period": 3.0, "y0": y0, "trivial": 0, "angle": 0.0}
     about |= {"energy": 0.0, "amplitude": 0.1, "forced": False, "residual": 0.0, "iterations": 3}
-    about |= {"by": "collocation", "model": model, "trivial_error": 0.0}
+    about |= {"method": "collocation", "model": model, "trivial_error": 0.0}
     about |= {"multipliers": np.array([0.5 + 0.0j]), "system": System(kept)}
     assert Cycle(**about).notes == ()
     (told,) = Cycle(**about | {"multipliers": np.array([2.0 + 0.0j, 0.5])}).doubts

@@ -48,7 +48,7 @@ def _stopped(follow: Follow, after: int, **given: Any) -> Any:
             raise KeyboardInterrupt
 
     with pytest.raises(rodgen.BranchInterrupted) as caught:
-        follow(watch=watch, **given)
+        follow(callback=watch, **given)
     return caught.value.found
 
 
@@ -65,9 +65,9 @@ def test_what_was_found_is_kept_and_gone_on_with(kind: Any, tmp_path: Path) -> N
     )
     # Where it was followed both ways, the end that was reached is its first point.
     back = 0 if kind is not _equilibria else -1
-    on = follow(resume=read, at=back)
+    on = follow(resume=read, point=back)
     if back == 0:
-        on = follow(resume=on, at=-1)
+        on = follow(resume=on, point=-1)
     assert on.attrs["complete"]
     assert (np.diff(on["length"].values) > 0).all()
     for name in (along, with_it):
@@ -77,11 +77,11 @@ def test_what_was_found_is_kept_and_gone_on_with(kind: Any, tmp_path: Path) -> N
 
 def test_ctrl_c_before_the_other_branch_leaves_the_first() -> None:
     follow, *_ = _equilibria(across=0.0)
-    straight = _stopped(follow, 3, switch=1)
-    assert straight.attrs["switch"] == 0
+    straight = _stopped(follow, 3, branch_point=1)
+    assert straight.attrs["branch_point"] == 0
     assert np.abs(straight["phi"].values).max() == 0.0
-    bent = _stopped(follow, 22, switch=1)
-    assert bent.attrs["switch"] == 1
+    bent = _stopped(follow, 22, branch_point=1)
+    assert bent.attrs["branch_point"] == 1
     assert np.abs(bent["phi"].values).max() > 0.1
 
 
@@ -95,7 +95,7 @@ def test_numbers_beyond_range_end_a_branch() -> None:
         if len(seen) == 5:
             raise OverflowError("math range error")
 
-    found = follow(watch=watch)
+    found = follow(callback=watch)
     assert found["value"].values.tolist() == pytest.approx(seen, rel=1e-12)
     assert "math range error" in found.attrs["end"]  # what was raised
     assert not found.attrs["complete"]
@@ -126,5 +126,5 @@ def test_the_limit_of_no_damping_is_an_end() -> None:
     follow, *_ = _boundary()
     whole = follow()
     assert float(whole["b"][0]) == 0.0
-    again = follow(resume=whole, at=0)
+    again = follow(resume=whole, point=0)
     assert again.sizes["point"] == whole.sizes["point"]

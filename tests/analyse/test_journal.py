@@ -42,7 +42,7 @@ class Killed(BaseException):
 def _both_ways() -> Any:
     """A straight column from the middle of the range, and the bent branch that crosses it."""
     follow, *_ = _equilibria(across=0.0)
-    return lambda **given: follow(start=-8.0, switch=1, **given)
+    return lambda **given: follow(start=-8.0, branch_point=1, **given)
 
 
 KINDS: dict[str, Callable[[], Any]] = {
@@ -71,7 +71,7 @@ def _kept(follow: Any, journal: Journal | None, last: float = np.inf) -> tuple[A
 
     with pytest.MonkeyPatch.context() as patch, use_journal(journal):
         patch.setattr(continuation._Follower, "_try_step", counted)
-        return follow(watch=watch), steps
+        return follow(callback=watch), steps
 
 
 @pytest.mark.parametrize("kind", sets(["branch", "boundary"], slow=["cycle"]))

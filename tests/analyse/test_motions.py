@@ -75,7 +75,7 @@ def test_a_rod_that_is_pushed_straight_on_buckles() -> None:
     assert straight["special_kind"].values.tolist() == ["branch"]
     assert float(straight["special_value"][0]) == pytest.approx(-16 * k / (3 * l), rel=1e-10)
     assert straight["unstable"].values[[1, -1]].tolist() == [1, 2]  # it turns over, and buckles
-    bent = continue_equilibria(scene, AXIAL, (-1.0, -40.0), switch=1)
+    bent = continue_equilibria(scene, AXIAL, (-1.0, -40.0), branch_point=1)
     for at in (1, bent.sizes["point"] // 4, -1):
         a, b = bent["phi"].values[at]
         F = -float(bent["value"][at])
@@ -110,7 +110,7 @@ def test_a_dragged_rod_keeps_its_bend(tmp_path: Any) -> None:
     curve_datasets.save_curve(found, tmp_path / "branch.nc")
     read = equilibrium_data.FORMAT.read(tmp_path / "branch.nc")
     half = found.sizes["point"] // 2
-    again = continue_equilibria(scene, STIFFNESS, (10.0, 0.5), resume=read, at=half, step=0.1)
+    again = continue_equilibria(scene, STIFFNESS, (10.0, 0.5), resume=read, point=half, step=0.1)
     np.testing.assert_allclose(again["y"].values[-1, 2:], found["y"].values[-1, 2:], atol=1e-9)
 
 

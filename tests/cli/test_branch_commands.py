@@ -45,7 +45,7 @@ def test_branch_as_json(works: Run, scene: Path) -> None:
 @pytest.mark.slow
 def test_branch_as_table_file_and_picture(works: Run, scene: Path) -> None:
     way = ("--vary", "loads.tip.x", "--bounds", "0,-10", "--step", 0.1)
-    done = works("branch", scene, *way, "--switch", 1)
+    done = works("branch", scene, *way, "--branch-point", 1)
     # Euler's load, pi^2/4, of which six links have some per cent less or more.
     assert any(abs(n / -(np.pi**2) * 4 - 1) < 0.05 for n in numbers(done.stdout))
     folder = Path("results/rod")
@@ -60,7 +60,7 @@ def test_branch_as_table_file_and_picture(works: Run, scene: Path) -> None:
 
 
 def test_a_branch_that_ends_is_kept(rodgen: Run, scene: Path) -> None:
-    way = ("--vary", "loads.tip.x", "--bounds", "0,50", "--most", 5)
+    way = ("--vary", "loads.tip.x", "--bounds", "0,50", "--max-points", 5)
     folder = Path("results/rod")
     done = rodgen("branch", scene, *way)
     assert done.returncode == 3
@@ -190,5 +190,5 @@ def test_a_branch_in_a_file_and_a_cycle_of_it(works: Run, flutter: Path, tmp_pat
     own = json.loads(works("cycle", flutter, "--json").stdout)
     found = json.loads(works("cycle", flutter, "--from", file, "--json").stdout)
     assert found["period"] == pytest.approx(own["period"], rel=1e-9)
-    first = json.loads(works("cycle", flutter, "--from", file, "--at", "0", "--json").stdout)
+    first = json.loads(works("cycle", flutter, "--from", file, "--point", "0", "--json").stdout)
     assert first["period"] == pytest.approx(float(branch["period"][0]), rel=1e-9)

@@ -36,7 +36,7 @@ FORCE, TIP, DAMPING = "loads.follower.force", "loads.tip.x", "loads.internal_dam
 COMMANDS: dict[str, tuple[str, tuple[Any, ...]]] = {
     "branch": (
         "branch_1",
-        (*UNLOADED, "--vary", TIP, "--bounds", "0,-30", "--start", -15, "--switch", 1),
+        (*UNLOADED, "--vary", TIP, "--bounds", "0,-30", "--start", -15, "--branch-point", 1),
     ),
     "boundary": ("boundary", (*UNLOADED, "--vary", f"{FORCE},{DAMPING}", "--bounds", "0,60")),
     "cycle-branch": ("cycles", ("--vary", FORCE, "--bounds", "5,20")),

@@ -65,7 +65,7 @@ scene = "rod.toml"
 [vary]
 "loads.follower.force" = {bounds = [1.0, 2.0], count = 1000}
 [compute]
-what = "run"
+analysis = "run"
 keep = ["last(tip_y)"]
 """
 

@@ -33,7 +33,7 @@ CYCLING = ZIEGLER.replace({"initial.phi": "0.2*s"})
 SWINGING = rod(1, "pinned", {"gravity": {}}, initial={"phi": -1.5})
 PLANE = (FORCE, "loads.internal_damping.coefficient")
 AT = (12.0, 40.0)
-STUDY = {"vary": {FORCE: {"bounds": [*AT], "count": 2}}, "compute": {"what": "modes"}}
+STUDY = {"vary": {FORCE: {"bounds": [*AT], "count": 2}}, "compute": {"analysis": "modes"}}
 
 
 class Case(NamedTuple):
@@ -51,7 +51,7 @@ class Case(NamedTuple):
 def _study() -> Any:
     """The tally of a store, after the Dataset has told of its doubts."""
     path = Path("python.zarr")
-    rodgen.study(COLUMN, STUDY["vary"], what="modes", out=path, workers=1, progress=False)
+    rodgen.study(COLUMN, STUDY["vary"], analysis="modes", out=path, workers=1, progress=False)
     return count_points(path)
 
 

@@ -67,7 +67,7 @@ REFUSED: dict[str, dict[str, tuple[str, ...]]] = {
         "--port = 70000": ("MISSILE --port 70000 --no-open",),
         "--host = '256.1.1.1'": ("MISSILE --host 256.1.1.1 --no-open",),
         "SCENE": (f"DAMPED --from {ROOT}/README.md",),
-        "--at": ("DAMPED --at 3",),
+        "--point": ("DAMPED --point 3",),
     },
     "new": {"name": ("../other",), "example": ("more --like rocket", "more --like forgetting")},
     "modes": {
@@ -98,9 +98,9 @@ REFUSED: dict[str, dict[str, tuple[str, ...]]] = {
         "--bounds": tuple(
             f"DAMPED --vary loads.tip.x{x}" for x in ("", " --bounds 0,", " --bounds 0,nan")
         ),
-        "switch = 1": (f"{BRANCH} loads.tip.x --switch 1",),
+        "branch_point = 1": (f"{BRANCH} loads.tip.x --branch-point 1",),
         "start = 11.0": (f"{BRANCH} loads.tip.x --start 11",),
-        "--at": (f"{BRANCH} loads.tip.x --at 3",),
+        "--point": (f"{BRANCH} loads.tip.x --point 3",),
         "step = 0.0": (f"{BRANCH} loads.tip.x --step 0",),
         "file": (f"{BRANCH} loads.tip.x --resume {ROOT}/README.md",),
     },
@@ -112,20 +112,20 @@ REFUSED: dict[str, dict[str, tuple[str, ...]]] = {
     },
     "cycle": {
         "segments = 0": ("DAMPED --segments 0",),
-        "by = 'hand'": ("DAMPED --by hand",),
-        "multipliers = 4": ("DAMPED --multipliers 4 --by shooting",),
-        "--at": ("DAMPED --at 3",),
+        "method = 'hand'": ("DAMPED --method hand",),
+        "multipliers = 4": ("DAMPED --multipliers 4 --method shooting",),
+        "--point": ("DAMPED --point 3",),
         "from = 'nothing.nc'": ("DAMPED --from nothing.nc",),
     },
     "cycle-branch": {
         "--bounds": (f"DAMPED {FORCE}", f"DAMPED {FORCE} --bounds 18"),
-        "--vary": ("DAMPED --bounds 18,20 --switch 1",),
+        "--vary": ("DAMPED --bounds 18,20 --branch-point 1",),
         "start = 'rest'": (f"DAMPED {FORCE} --bounds 18,20 --start rest",),
-        "--at": (
-            f"DAMPED {FORCE} --bounds 18,20 --at 3",
+        "--point": (
+            f"DAMPED {FORCE} --bounds 18,20 --point 3",
             f"DAMPED {FORCE} --bounds 1,2 --from a.nc",
         ),
-        "file": (f"DAMPED {FORCE} --bounds 18,20 --from nothing.nc --at 1",),
+        "file": (f"DAMPED {FORCE} --bounds 18,20 --from nothing.nc --point 1",),
         "--from": (f"DAMPED {FORCE} --bounds 18,20 --from a.nc --resume b.nc",),
     },
     "nonlinear-mode": {

@@ -34,8 +34,8 @@ output_every = 0.001
 """
 SMALL = 0.4  # GB that may be taken
 OWN = 0.25e9  # bytes of Python with its libraries, and room to spare
-VARIED = ("--vary", TIP, "--bounds", "0,-0.2", "--most", 4)
-BOTH = ("--vary", f"{FORCE},{TIP}", "--bounds", "0,30", "--bounds=-1,1", "--most", 2)
+VARIED = ("--vary", TIP, "--bounds", "0,-0.2", "--max-points", 4)
+BOTH = ("--vary", f"{FORCE},{TIP}", "--bounds", "0,30", "--bounds=-1,1", "--max-points", 2)
 # Of each command that can ask for too much: its arguments, and whether it can do what it says in a
 # test: others take minutes.
 COMMANDS: dict[str, tuple[tuple[Any, ...], bool]] = {

@@ -35,7 +35,7 @@ def test_a_table_is_alike_in_both_targets_and_in_the_scene(models: Any) -> None:
     p = c.parameters(**SCENE.parameters)
     y = np.random.default_rng(1).normal(size=len(c.STATE))
     for t in (-0.2, 0.0, 0.05, 0.1, 0.3, 0.6, 0.99, 1.0, 2.0, np.nan):
-        due = [float(e(t)) for e in SCENE.time_laws.values()]
+        due = [float(e(t)) for e in SCENE.time_dependent_loads.values()]
         # SciPy's monotone cubic is what the scene asks; the modules have one of their own.
         found = numpy.forces(t, y, p)["tip_load"][-1]
         np.testing.assert_allclose(found, due, rtol=1e-13, atol=1e-12)

@@ -141,7 +141,7 @@ def test_it_follows_from_a_file(sol: rodgen.Solution, tmp_path: Path) -> None:
     back = rodgen.load(tmp_path / "run.nc")
     assert back.stats.target == "numpy"
     np.testing.assert_array_equal(back(0.123), sol(0.123))
-    few = rodgen.load(tmp_path / "run.nc", most=2)
+    few = rodgen.load(tmp_path / "run.nc", max_samples=2)
     np.testing.assert_allclose(few(0.123), sol(0.123), rtol=0, atol=20 * RTOL)
 
 

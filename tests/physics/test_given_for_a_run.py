@@ -106,7 +106,7 @@ def test_a_number_that_no_expression_names_is_not_changed() -> None:
         lambda: System(scene).at({"parameters.EI": 1.0}),
         lambda: scene.replace({"parameters.EI": 1.0}),
         lambda: scene.replace({"parameters.P9": 1.0}),
-        lambda: rodgen.study(scene, vary={"parameters.P9": [1.0, 2.0]}, what="modes"),
+        lambda: rodgen.study(scene, vary={"parameters.P9": [1.0, 2.0]}, analysis="modes"),
     ):
         with pytest.raises(rodgen.InputError, match=r"(EI|P9)\b"):
             changed()

@@ -220,10 +220,14 @@ def test_quantities_of_a_sample_are_those_of_its_state_at_its_time(
     sol = rodgen.simulate(scene, target=target, rtol=1e-4, span=[0.0, 1.0], output_every=0.2)
     p = sol.model.parameters(**scene.parameters)
     folded = MotionSlice(
-        sol.model, p, sol.y.reshape(2, 3, -1), sol.t.reshape(2, 3), timed=scene.time_laws
+        sol.model,
+        p,
+        sol.y.reshape(2, 3, -1),
+        sol.t.reshape(2, 3),
+        timed=scene.time_dependent_loads,
     )
     single = [
-        MotionSlice(sol.model, p, y, t, timed=scene.time_laws)
+        MotionSlice(sol.model, p, y, t, timed=scene.time_dependent_loads)
         for y, t in zip(sol.y, sol.t, strict=True)
     ]
     names = {

@@ -132,7 +132,7 @@ def test_no_bar_where_it_is_not_wanted(make_scene: Make) -> None:
         rodgen.simulate(scene, target="numpy", progress=False)
         rodgen.simulate(scene, target="numpy", progress=_Told())
         vary = {"initial.phi": [0.1, 0.2]}
-        rodgen.study(scene, vary, what="static", workers=1, progress=False)
+        rodgen.study(scene, vary, analysis="static", workers=1, progress=False)
     assert not terminal.getvalue()
 
 

@@ -92,7 +92,7 @@ def test_other_readers_see_what_held(changed: Make, tmp_path: Path) -> None:
     np.testing.assert_array_equal(some.energy.total, energies[kept])
     np.testing.assert_array_equal(sol.isel(kept).energy.total, energies[kept])
     np.testing.assert_array_equal(sol.head(100).energy.total, energies[:100])
-    few = rodgen.load(tmp_path / "run.nc", most=3)
+    few = rodgen.load(tmp_path / "run.nc", max_samples=3)
     np.testing.assert_array_equal(few.energy.total, energies[[0, 100, 199]])
 
 

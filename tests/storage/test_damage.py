@@ -139,7 +139,7 @@ def test_damage_is_named_and_the_rest_is_had(whole: Make, samples: Make, tmp_pat
         assert len(part.events) == 2
         assert part.status == ("finished" if due else "interrupted")
         with pytest.warns(FileWarning):
-            assert len(rodgen.load(path, most=2, strict=False).t) == 2
+            assert len(rodgen.load(path, max_samples=2, strict=False).t) == 2
 
 
 def test_what_is_behind_a_checkpoint_may_be_damaged(whole: Make) -> None:

@@ -26,7 +26,7 @@ def stability(rows: int, columns: int, **more: Any) -> Study:
         FORCE: {"bounds": [20.0, 90.0], "count": rows},
         TIME: {"bounds": [1e-3, 1.0], "count": columns, "scale": "log"},
     }
-    return Study.of(scene(BECK), vary, what="modes", keep=["stable", "largest_growth"], **more)
+    return Study.of(scene(BECK), vary, analysis="modes", keep=["stable", "largest_growth"], **more)
 
 
 def refined(study: Study, of: Values, *how: Any) -> tuple[Array, list[list[int]]]:
@@ -116,6 +116,6 @@ def test_what_cannot_be_refined() -> None:
         ({FORCE: [1.0, 2.0], TIME: [1.0]}, ()),
         *((two, how) for how in ((2.0,), (None, "force"), (None, "largest_growth > 1-1"))),
     ):
-        study = Study.of(scene(BECK), vary, what="modes", keep=["stable", "largest_growth"])
+        study = Study.of(scene(BECK), vary, analysis="modes", keep=["stable", "largest_growth"])
         with pytest.raises(InputError):
             next(adaptive.refinement_rounds(study, *how))

@@ -135,7 +135,7 @@ def test_points_that_fail_are_alone() -> None:
 
 # One by one --------------------------------------------------------------------------------------
 
-SECTION = "section(tip_y, where='tip_x', rising=0.1, from=0.2, most=5)"
+SECTION = "section(tip_y, where='tip_x', rising=0.1, from=0.2, max_points=5)"
 PEAK = "peak(phi_0, from=0.5)"
 
 
@@ -222,18 +222,20 @@ def _by_themselves(study: Study, given: Any, made: Any) -> None:
 def test_a_study_tells_how_many_points_are_doubtful() -> None:
     with warnings.catch_warnings():
         warnings.simplefilter("error", rodgen.DoubtWarning)
-        data = rodgen.study(scene(BECK), {FORCE: [20.0, 95.0]}, what="modes", workers=1)
+        data = rodgen.study(scene(BECK), {FORCE: [20.0, 95.0]}, analysis="modes", workers=1)
     assert data["doubts"].values.tolist() == [0, 1]
     assert data.rodgen.notes[0].figures == {"points": 1}
     assert data.rodgen.to_dict()["notes"] == [data.rodgen.notes[0].to_dict()]
     assert data["frequencies"].attrs == {"long_name": "frequency", "units": "Hz"}
-    assert rodgen.study(scene(BECK), {FORCE: [20.0]}, what="modes", workers=1).rodgen.notes == ()
+    assert (
+        rodgen.study(scene(BECK), {FORCE: [20.0]}, analysis="modes", workers=1).rodgen.notes == ()
+    )
 
 
 def test_what_is_not_known_of_a_point_is_none_in_plain_data() -> None:
     """Of points that failed, along one axis and two."""
     vary = {FORCE: [20.0], "rod.mass": [50.0, -1.0]}
-    data = rodgen.study(scene(BECK), vary, what="modes", keep=["stable"], workers=1)
+    data = rodgen.study(scene(BECK), vary, analysis="modes", keep=["stable"], workers=1)
     found = data.rodgen.to_dict()
     assert (found["stable"], found["doubts"]) == ([[1, None]], [[0, None]])
     assert data.isel({FORCE: 0}).rodgen.to_dict()["stable"] == [1, None]
@@ -310,7 +312,7 @@ def test_analyses_are_those_of_their_scenes(analysis: tuple[Any, ...]) -> None:
     """And what they refuse is a failed point with the reason."""
     alone, table, vary, options, failures = analysis
     what = alone.__name__
-    study = Study.of(scene(table), vary, what=what, keep=KEPT[what], options=options)
+    study = Study.of(scene(table), vary, analysis=what, keep=KEPT[what], options=options)
     found = computed(study)
     failed = found["status"] == "failed"
     assert failed.sum() == failures
@@ -333,7 +335,9 @@ def test_tongues() -> None:
         "rod": rod,
         "loads": {"tip": {"x": "a + b*cos(2*t)"}},
     }
-    found = computed(Study.of(scene(mathieu), {"parameters.a": [0.8, 1.0, 1.2]}, what="floquet"))
+    found = computed(
+        Study.of(scene(mathieu), {"parameters.a": [0.8, 1.0, 1.2]}, analysis="floquet")
+    )
     assert found["stable"].tolist() == [1, 0, 1]
     assert found["growth"][1] > 0.05
     assert found["modulus"][[0, 2]] == pytest.approx(1.0, abs=1e-6)

@@ -27,8 +27,8 @@ STOP = {"quantity": "tip_x", "value": -0.9, "direction": "falling", "name": "end
 # C has and of some that it has not, with fewer crossings than there are.
 KEEP = [
     *("count(up)", "count(fast, from=0.3)", "count('left', to=2.5)", "max(phi_2)"),
-    "section(tip_y, where='tip_x', rising=0.1, from=0.2, most=5)",
-    "section(phi_1, where='omega_1', either=0.0, most=3)",
+    "section(tip_y, where='tip_x', rising=0.1, from=0.2, max_points=5)",
+    "section(phi_1, where='omega_1', either=0.0, max_points=3)",
     "section(tip_vx, where='omega_1', falling=0.0)",
     "section(t, where='total_energy', falling=-6)",
     *("peak(phi_0, from=0.5)", "peak(tip_x, to=2.6)"),

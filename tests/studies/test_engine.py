@@ -78,7 +78,7 @@ threading.Thread(target=lambda: sys.stdin.buffer.read(1), daemon=True).start()
 time.sleep(0.2)  # it waits by then
 scene = rodgen.Scene.example("ziegler")
 vary = {"loads.follower.force": [1.0, 2.0]}
-data = rodgen.study(scene, vary=vary, what="modes", workers=1)
+data = rodgen.study(scene, vary=vary, analysis="modes", workers=1)
 print(data.sizes["loads.follower.force"], flush=True)
 os._exit(0)  # the thread would hold up the end
 """

@@ -13,7 +13,7 @@ from tests.told import refused
 
 pytestmark = pytest.mark.compiler
 VARY = {"loads.gravity.g": [9.0, 10.0]}
-SECTION = "section(tip_y, where='tip_x', rising=0, from=1, most=7)"
+SECTION = "section(tip_y, where='tip_x', rising=0, from=1, max_points=7)"
 
 
 def test_variables_of_a_run() -> None:
@@ -68,7 +68,7 @@ NOT_KEPT: list[tuple[list[str], str]] = [
             *("max(tip_x", "median(tip_x)", "max(phi_3)", "peak(tip_q)", "section(tip_y)"),
             *("section(tip_y, where='tip_z', rising=0)", f"{WHERE})"),
             *(f"{WHERE}, rising=0, falling=0)", f"{WHERE}, rising=zero)"),
-            *(f"{WHERE}, rising=0, most=2.5)", f"{WHERE}, rising=0, from=2, to=1)"),
+            *(f"{WHERE}, rising=0, max_points=2.5)", f"{WHERE}, rising=0, from=2, to=1)"),
             # At a crossing there are the states alone, and no sums over a run.
             *(f"section({sum}, where='phi_0', rising=0)" for sum in SUMS),
         )
@@ -78,14 +78,14 @@ NOT_KEPT: list[tuple[list[str], str]] = [
 
 def test_variables_of_analyses() -> None:
     vary = {"loads.material_damping.time": [1e-4, 1e-2]}
-    usual = Study.of(scene(BECK), vary, what="modes")
+    usual = Study.of(scene(BECK), vary, analysis="modes")
     found = {one.name: (one.dims, one.shape, one.dtype) for one in variables(usual)[:-5]}
     assert found == {
         "frequencies": (("mode",), (4,), "f8"),
         "growth": (("mode",), (4,), "f8"),
         "stable": ((), (), "i8"),
     }
-    asked = Study.of(scene(BECK), vary, what="modes", keep=["frequencies(2)", "growth(3)"])
+    asked = Study.of(scene(BECK), vary, analysis="modes", keep=["frequencies(2)", "growth(3)"])
     assert [one.dims for one in variables(asked)[:2]] == [("mode",), ("mode_2",)]
 
 
@@ -103,5 +103,5 @@ NOT_KEPT_OF_ANALYSES: list[tuple[str, list[str], dict[str, int], str]] = [
 def test_what_cannot_be_kept() -> None:
     of_runs = [("run", keep, {}, field) for keep, field in NOT_KEPT]
     for what, keep, options, field in (*of_runs, *NOT_KEPT_OF_ANALYSES):
-        told = refused(Study.of, scene(PENDULUM), VARY, what=what, keep=keep, options=options)
+        told = refused(Study.of, scene(PENDULUM), VARY, analysis=what, keep=keep, options=options)
         assert told.field == field, (what, keep, options)

@@ -25,7 +25,7 @@ VARY: dict[str, Any] = {
 
 def sampled(method: str, count: int, seed: int = 3) -> Study:
     sample = {"method": method, "count": count, "seed": seed}
-    return Study.of(scene(BECK), VARY, what="critical", sample=sample)
+    return Study.of(scene(BECK), VARY, analysis="critical", sample=sample)
 
 
 @pytest.mark.parametrize("method", ["sobol", "latin_hypercube", "random"])
@@ -64,7 +64,7 @@ def test_a_random_point_is_that_of_its_seed() -> None:
 
 def test_a_grid_counts_its_last_axis_fastest() -> None:
     vary = {"rod.mass": [1.0, 2.0], "rod.length": [3.0, 4.0, 5.0]}
-    study = Study.of(scene(BECK), vary, what="critical")
+    study = Study.of(scene(BECK), vary, analysis="critical")
     found = [(point["rod.mass"], point["rod.length"]) for point in points_at(study, range(6))]
     assert found == [(1, 3), (1, 4), (1, 5), (2, 3), (2, 4), (2, 5)]
     with pytest.raises(IndexError):

@@ -25,7 +25,7 @@ scene = "beck.toml"
 "loads.follower.force" = {bounds = [5, 60], count = 4}
 "loads.material_damping.time" = {bounds = [1e-4, 1e-1], count = 4, scale = "log"}
 [compute]
-what = "modes"
+analysis = "modes"
 keep = ["frequencies"]
 """
 
@@ -38,7 +38,7 @@ def file(tmp_path: Path) -> Path:
 
 
 def of(vary: Any, table: dict[str, Any] = BECK, **given: Any) -> Study:
-    return Study.of(scene(table), vary, **{"what": "critical", **given})
+    return Study.of(scene(table), vary, **{"analysis": "critical", **given})
 
 
 def test_a_file_and_python_give_the_same_study(file: Path) -> None:
@@ -48,7 +48,7 @@ def test_a_file_and_python_give_the_same_study(file: Path) -> None:
     }
     study = Study.from_toml(file)
     own = rodgen.Scene.from_toml(file.with_name("beck.toml"))
-    assert study == Study.of(own, vary, what="modes", keep=["frequencies"])
+    assert study == Study.of(own, vary, analysis="modes", keep=["frequencies"])
     assert study.shape == (4, 4)
     listed = [point["loads.follower.force"] for point in points_at(study, range(0, 16, 4))]
     np.testing.assert_array_equal(listed, np.linspace(5, 60, 4))
@@ -108,7 +108,7 @@ NO_MASSES: dict[str, list[Any]] = {
     ".scale": [{**LINE, "scale": "square"}],
 }
 NOT_COMPUTED: dict[str, list[dict[str, Any]]] = {
-    "compute.what": [{"what": "walk"}],
+    "compute.analysis": [{"analysis": "walk"}],
     "compute.keep[0]": [{"keep": [3]}],
     "sample.method": [{"sample": {"method": "dice", "count": 3}}],
     "sample.count": [
@@ -156,7 +156,7 @@ def test_more_points_than_anybody_wants_are_asked_for_twice(tmp_path: Path) -> N
     axis = {"bounds": [1, 2], "count": 10**4 + 1}
     vary = {"rod.mass": axis, "rod.length": axis}
     with pytest.raises(InputError, match="--yes"):
-        rodgen.study(scene(BECK), vary, what="critical", out=tmp_path / "a.zarr", workers=1)
+        rodgen.study(scene(BECK), vary, analysis="critical", out=tmp_path / "a.zarr", workers=1)
     assert not list(tmp_path.iterdir())
 
 
@@ -168,7 +168,7 @@ def test_digests_tell_functions_apart() -> None:
         return 2.0
 
     def study(function: Any) -> Study:
-        return of({"rod.mass": [1.0, 2.0]}, PENDULUM, what="run", keep=[function])
+        return of({"rod.mass": [1.0, 2.0]}, PENDULUM, analysis="run", keep=[function])
 
     assert study(one) == study(one)
     assert study(one) != study(other)

@@ -77,7 +77,7 @@ def test_an_analysis_that_never_ends_is_left(monkeypatch: pytest.MonkeyPatch) ->
     monkeypatch.setattr("rodgen.studies.task.analyse", slow)
     rodgen.static_equilibrium(SCENE)  # whose module takes longer to be made than a point may
     vary = {"parameters.A": [1.0, HANGS]}
-    found = rodgen.study(SCENE, vary, what="static", time_limit=LIMIT, workers=1)
+    found = rodgen.study(SCENE, vary, analysis="static", time_limit=LIMIT, workers=1)
     assert found.status.values.tolist() == ["finished", "too long"]
 
 

@@ -98,7 +98,7 @@ def test_every_number_of_a_scene_is_what_the_scene_makes_of_it(t: float | None) 
             np.testing.assert_array_equal(made.y0, written.y0, err_msg=key)
             assert made.scene == written.scene, key
             assert made.settings == written.settings, key
-            assert made.time_functions == written.time_functions, key
+            assert made.time_laws == written.time_laws, key
             slots += steady.parameter_map.slot(key) is not None
     assert slots > 60  # of some 200 numbers
 

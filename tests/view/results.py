@@ -67,7 +67,7 @@ MAKERS: dict[str, Callable[[], Any]] = {
     "WorkPrecision": lambda: rodgen.WorkPrecision(
         SCENE, [_setting(1e-6), _setting(1e-8)], REFERENCE, {"error_phi": 1e-9}, {}
     ),
-    "Study": lambda: rodgen.Study.of(SCENE, {"loads.follower.force": [1.0, 2.5]}, what="modes"),
+    "Study": lambda: rodgen.Study.of(SCENE, {"loads.follower.force": [1.0, 2.5]}, analysis="modes"),
     "Ensemble": _ensemble,
 }
 

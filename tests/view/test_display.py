@@ -224,7 +224,7 @@ def mode() -> xarray.Dataset:
 def study() -> xarray.Dataset:
     pytest.importorskip("zarr", reason="the extra study is not installed")
     vary = {"loads.tip.y": [-1.0, -1.5, -2.0]}
-    return rodgen.study(PRESSED, vary, what="modes", keep=["frequencies"], workers=1)
+    return rodgen.study(PRESSED, vary, analysis="modes", keep=["frequencies"], workers=1)
 
 
 @pytest.mark.parametrize(

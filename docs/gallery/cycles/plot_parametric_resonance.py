@@ -34,7 +34,7 @@ data = rodgen.study(
         "parameters.frequency": np.linspace(0.6, 2.4, 25) * first,
         "parameters.amplitude": np.linspace(0.02, 1.0, 8),
     },
-    what="floquet",
+    analysis="floquet",
     keep=["growth"],
     workers=1,
 )

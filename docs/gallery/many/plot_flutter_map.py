@@ -17,7 +17,7 @@ force, time = "loads.follower.force", "loads.material_damping.time"
 data = rodgen.study(
     scene,
     {force: np.linspace(30, 130, 24), time: np.geomspace(1e-3, 3, 24)},
-    what="modes",
+    analysis="modes",
     keep=["stable"],
     workers=1,
 )

@@ -14,7 +14,7 @@ import rodgen
 
 scene = rodgen.Scene.example("euler_column")
 straight = rodgen.continue_equilibria(scene, "loads.tip.y", (0, -30))
-bent = rodgen.continue_equilibria(scene, "loads.tip.y", (0, -30), switch=1)
+bent = rodgen.continue_equilibria(scene, "loads.tip.y", (0, -30), branch_point=1)
 
 figure, axes = plt.subplots()
 for branch in (straight, bent):

@@ -16,7 +16,7 @@ forces = np.linspace(0, 1.2, 61) * rodgen.critical_load(scene).value
 data = rodgen.study(
     scene,
     {"loads.follower.force": forces},
-    what="modes",
+    analysis="modes",
     keep=["frequencies(2)", "growth(2)"],
     workers=1,
 )

@@ -26,7 +26,7 @@ scene = rodgen.Scene.from_dict(
 )
 stiffness = np.geomspace(1, 1e5, 26)
 data = rodgen.study(
-    scene, {"foundation.stiffness": stiffness}, what="modes", keep=["frequencies(4)"], workers=1
+    scene, {"foundation.stiffness": stiffness}, analysis="modes", keep=["frequencies(4)"], workers=1
 )
 
 figure, axes = plt.subplots()

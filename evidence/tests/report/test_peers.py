@@ -93,7 +93,7 @@ def test_expressions_without_conditions() -> None:
     for middle in (0.03, 0.08, 0.15):
         at = loads.parameters(given.scene, middle, loads.PLAIN)
         for t in (middle, middle + 0.01):
-            for name, expression in given.scene.time_laws.items():
+            for name, expression in given.scene.time_dependent_loads.items():
                 assert at(t)[name] == pytest.approx(float(expression(t)), rel=1e-14, abs=1e-16)
 
 

@@ -22,7 +22,7 @@ LOOSE = 1e-12  # of the largest effect of a shift of the rod: one that has none,
 
 
 @dataclass(frozen=True)
-class ChainBalance:
+class JointForceBalance:
     """Equilibrium equations with joint forces as unknowns, so that a Newton step costs O(n): of a
     rod held at joint 0 alone, whose loads do not depend on the motion. residual (cells, 3)."""
 
@@ -279,7 +279,7 @@ def _square_of_growth(small: DensePencil) -> float:
     return max(0.0, -float(lowest))
 
 
-Balance = ChainBalance | DenseBalance
+Balance = JointForceBalance | DenseBalance
 
 
 def equilibrium_equations(
@@ -291,9 +291,9 @@ def equilibrium_equations(
 ) -> Balance:
     """Set up the equilibrium equations at a state; bend: residual that is to remain instead of
     zero; springs: those of the supports, with predicted forces."""
-    if not rod.is_chain:
+    if not rod.has_joint_force_unknowns:
         return DenseBalance(rod, rod.state_at_rest(at), p, bend, springs)
-    return ChainBalance(ImplicitBlocks.at(rod, at, p), bend)
+    return JointForceBalance(ImplicitBlocks.at(rod, at, p), bend)
 
 
 def free_directions(rod: SteadyRod, at: Unknowns, p: Array) -> Array:

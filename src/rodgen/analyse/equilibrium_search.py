@@ -13,8 +13,8 @@ from rodgen.analyse.load_stepping import (
     FoldError,
     Iterate,
     Loading,
-    follow_branch,
     newton,
+    step_to_equilibrium,
 )
 from rodgen.analyse.pencil import joint_forces
 from rodgen.analyse.steady_rod import SteadyRod, Unknowns
@@ -61,7 +61,7 @@ def find_equilibrium(
 
 def _add_joint_forces(rod: SteadyRod, rest: Iterate, p: Array) -> Iterate:
     """Add joint forces to an equilibrium where Newton's method has not found them."""
-    if not rod.is_chain:
+    if not rod.has_joint_force_unknowns:
         springs = rest.springs(rod, p)
         known = p if springs is None else springs.p
         rest.at = rest.at._replace(force=joint_forces(rod, rest.at, known)[1])
@@ -118,7 +118,7 @@ def _hang_and_load(rod: SteadyRod, p: Array) -> tuple[Iterate, tuple[float, ...]
     rest = _hang(rod, growing(0.0))
     if (growing(0.0) == p).all():
         return rest, (1.0,)
-    return follow_branch(rod, rest, lambda done: Loading(growing(done)))
+    return step_to_equilibrium(rod, rest, lambda done: Loading(growing(done)))
 
 
 def _growing_parameters(rod: SteadyRod) -> list[tuple[slice, Term]]:
@@ -164,11 +164,11 @@ def _load_straight_rod(rod: SteadyRod, p: Array, bend: float) -> tuple[Iterate, 
     rest = Iterate(_bend_rod(rod, straight, growing(0.0), bend))
     moments = Loading(growing(0.0)).equations(rod, rest).residual
     if not moments.any():
-        return follow_branch(rod, rest, lambda done: Loading(growing(done)))
+        return step_to_equilibrium(rod, rest, lambda done: Loading(growing(done)))
     way = "the way back to a rod that is straight without load"
     try:
-        rest, stages = follow_branch(rod, rest, lambda done: Loading(growing(done), moments))
-        rest, _ = follow_branch(rod, rest, lambda done: Loading(p, (1 - done) * moments), way)
+        rest, stages = step_to_equilibrium(rod, rest, lambda done: Loading(growing(done), moments))
+        rest, _ = step_to_equilibrium(rod, rest, lambda done: Loading(p, (1 - done) * moments), way)
     except FoldError as error:  # a fold of the rod bent by these moments, not of the rod itself
         raise AnalysisError(str(error)) from None
     return rest, stages

@@ -81,7 +81,7 @@ class Loading(NamedTuple):
         return equilibrium_equations(rod, rest.at, self.p, self.bend, rest.springs(rod, self.p))
 
 
-def follow_branch(
+def step_to_equilibrium(
     rod: SteadyRod, rest: Iterate, at: Callable[[float], Loading], way: str = "the load"
 ) -> tuple[Iterate, tuple[float, ...]]:
     """Follow the branch that begins with ``rest`` to its end; return the equilibrium there and the

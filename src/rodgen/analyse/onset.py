@@ -43,7 +43,7 @@ class Onset:
 def solve_onset(at: At, near: Onset, unit: float, linear: bool = False) -> Onset:
     """Solve for the onset next to an estimate, as closely as the matrices allow; unit: a typical
     size of the load; linear: whether S is linear in the load. Raises AnalysisError."""
-    values, errors = _OnsetEquations(at, near, unit, linear).solve()
+    values, errors = _OnsetSolver(at, near, unit, linear).solve()
     if not near.s:
         return Onset(values[0], 0j, errors[0])
     return Onset(values[0], 1j * values[1], *errors)
@@ -53,7 +53,7 @@ def no_onset_message(force: float) -> str:
     return f"Newton's method found no onset of instability within {APART:.0%} of {force:.9g} N"
 
 
-class _OnsetEquations:
+class _OnsetSolver:
     """Newton's method for an onset, with scales and a border taken at the estimate."""
 
     def __init__(self, at: At, near: Onset, unit: float, linear: bool):

@@ -148,6 +148,6 @@ class RodRange:
         numbers = self.numbers
         if isinstance(numbers, ParameterLine):
             return self.base
-        if numbers.is_only_in_parameters and numbers.key.startswith(LOADS):
+        if numbers.affects_only_p and numbers.key.startswith(LOADS):
             return self.base  # its straight shape, and all else that is not in p, stays
         return replace(self.base, system=numbers.at(value))

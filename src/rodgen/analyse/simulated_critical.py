@@ -22,7 +22,7 @@ from rodgen.progress import report_stage
 from rodgen.result import Note, Result, Row, doubt, omit_from_tables
 from rodgen.scene import Scene
 from rodgen.scene.expression import Expression
-from rodgen.scene.integration import IntegrationSettings, check_used
+from rodgen.scene.integration import IntegrationSettings, check_settings_used
 from rodgen.system import System
 
 FAINT = 1e-6  # of the strongest direction: weaker ones are lost in errors of the run
@@ -234,7 +234,7 @@ def simulated_critical_load(
         "atol": atol,
         "max_steps": max_steps,
     }
-    check_used(family.rod.system.with_settings(**given).settings, given)
+    check_settings_used(family.rod.system.with_settings(**given).settings, given)
     over = 1.0 if growth is None else growth - 1
     for name, value in (("span", span), ("growth - 1", over), ("tolerance", tolerance)):
         if not (np.isfinite(value) and value > 0):

@@ -167,7 +167,7 @@ class SteadyRod(HasInstant):
         return self.system.structure.has_feedback or bool(self.system.structure.state_names)
 
     @cached_property
-    def is_chain(self) -> bool:
+    def has_joint_force_unknowns(self) -> bool:
         """Whether joint forces are unknowns at rest: joint 0 is held, nothing else is, and no load
         depends on the motion."""
         return not (self.n_base or self.has_feedback or self.has_supports)
@@ -297,7 +297,7 @@ class StateResult(HasInstant, Result):
         times = _sample_times(scene)
         return tuple(
             scene.key_of(name)
-            for name, e in scene.time_laws.items()
+            for name, e in scene.time_dependent_loads.items()
             if name not in self._scaled_parameters
             and float(e(self.t)) == 0
             and np.any(np.asarray(e(times)) != 0)
@@ -320,5 +320,5 @@ def _sample_times(scene: Scene) -> Array:
     """Times of the span [s], dense enough that no load acts between two of them alone."""
     start, end = scene.integrate.span
     ends = np.array([start, *scene.breaks(), end])
-    peaks = [peak for _, peak, _ in scene.time_functions.pulses()]
+    peaks = [peak for _, peak, _ in scene.time_laws.pulses()]
     return np.concatenate((np.linspace(start, end, TIMES), (ends[1:] + ends[:-1]) / 2, peaks))

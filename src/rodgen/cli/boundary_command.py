@@ -43,9 +43,9 @@ def boundary(
         ),
     ] = None,
     resume: ResumeFile = None,
-    at: PointNumber = None,
+    point: PointNumber = None,
     step: LongestStep = 0.1,
-    most: MostPoints = 1000,
+    max_points: MostPoints = 1000,
     t: AtTime = None,
     out_folder: OutFolder = Path("results"),
     as_json: AsJson = False,
@@ -64,8 +64,8 @@ def boundary(
         raise InputError("--bounds", bounds, "given once for each number, twice at most")
     ranges = (*given, None, None)[:2]
     file = None if as_json else out_folder / scene.name / f"{NAME}.nc"
-    options = {"vary": vary, "bounds": ranges, "step": step, "most": most, "t": t}
-    begun = find_start(NAME, scene, options, file, resume, at, FORMAT.read)
+    options = {"vary": vary, "bounds": ranges, "step": step, "max_points": max_points, "t": t}
+    begun = find_start(NAME, scene, options, file, resume, point, FORMAT.read)
     follow_curve(
         "the boundary",
         f"{scene.name}: boundary of stability",
@@ -76,11 +76,11 @@ def boundary(
             (keys[0], keys[1]),
             bounds=(ranges[0], ranges[1]),
             step=step,
-            most=most,
+            max_points=max_points,
             t=t,
             resume=begun.curve,
-            at=begun.at,
-            watch=lambda point: said(f"{point[0]:.6g}, {point[1]:.6g}"),
+            point=begun.point,
+            callback=lambda at: said(f"{at[0]:.6g}, {at[1]:.6g}"),
         ),
     )
 

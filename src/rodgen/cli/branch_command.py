@@ -39,7 +39,7 @@ def branch(
             help="Begin at this value between A and B, and follow the branch both ways. Default: A."
         ),
     ] = None,
-    switch: Annotated[
+    branch_point: Annotated[
         int | None,
         typer.Option(
             metavar="NUMBER",
@@ -48,7 +48,7 @@ def branch(
         ),
     ] = None,
     resume: ResumeFile = None,
-    at: PointNumber = None,
+    point: PointNumber = None,
     imperfection: Annotated[
         float | None,
         typer.Option(
@@ -66,7 +66,7 @@ def branch(
         ),
     ] = None,
     step: LongestStep = 0.02,
-    most: MostPoints = 2000,
+    max_points: MostPoints = 2000,
     t: AtTime = None,
     check_mesh: CheckMesh = False,
     out_folder: OutFolder = Path("results"),
@@ -86,23 +86,25 @@ def branch(
         "imperfection": imperfection,
         "motion": motion,
         "step": step,
-        "most": most,
+        "max_points": max_points,
         "t": t,
         "check_mesh": check_mesh,
     }
-    options = {"vary": vary, "switch": switch, **given, "bounds": between}
-    file = None if as_json else out_folder / scene.name / f"{_file_stem(switch)}.nc"
-    begun = find_start("branch", scene, options, file, resume, at, FORMAT.read)
+    options = {"vary": vary, "branch_point": branch_point, **given, "bounds": between}
+    file = None if as_json else out_folder / scene.name / f"{_file_stem(branch_point)}.nc"
+    begun = find_start("branch", scene, options, file, resume, point, FORMAT.read)
 
-    def follow(said: Callable[[str], None], switch: int | None = switch) -> xarray.Dataset:
+    def follow(
+        said: Callable[[str], None], branch_point: int | None = branch_point
+    ) -> xarray.Dataset:
         return continue_equilibria(
             scene,
             vary,
             between,
-            switch=switch,
+            branch_point=branch_point,
             resume=begun.curve,
-            at=begun.at,
-            watch=lambda value: said(f"{vary} = {value:.6g}"),
+            point=begun.point,
+            callback=lambda value: said(f"{vary} = {value:.6g}"),
             **given,
         )
 
@@ -110,7 +112,7 @@ def branch(
         """Draw the branch, with the one that it leaves."""
         from rodgen.show.branch_pictures import bifurcation_diagram
 
-        others = [follow(lambda _: None, None)] if found.attrs["switch"] else []
+        others = [follow(lambda _: None, None)] if found.attrs["branch_point"] else []
         return bifurcation_diagram([*others, found], scene)
 
     follow_curve(
@@ -120,10 +122,10 @@ def branch(
         begun,
         follow,
         draw_diagram,
-        lambda found: _file_stem(found.attrs["switch"]),  # 0 where Ctrl-C came before
+        lambda found: _file_stem(found.attrs["branch_point"]),  # 0 where Ctrl-C came before
     )
 
 
-def _file_stem(switch: int | None) -> str:
-    """Stem of the files of a branch; switch: number of the branch point that it leaves."""
-    return f"branch_{switch}" if switch else "branch"
+def _file_stem(branch_point: int | None) -> str:
+    """Stem of the files of a branch; branch_point: number of the branch point that it leaves."""
+    return f"branch_{branch_point}" if branch_point else "branch"

@@ -38,7 +38,7 @@ class CurveStart:
 
     journal: Journal | None
     curve: xarray.Dataset | None = None
-    at: int = LAST
+    point: int = LAST
 
 
 def find_start(
@@ -47,7 +47,7 @@ def find_start(
     options: Mapping[str, Any],
     file: Path | None,
     resume: Path | None,
-    at: int | None,
+    point: int | None,
     read: Callable[[Path], xarray.Dataset],
 ) -> CurveStart:
     """Find where a command begins by --resume: in its own steps, which a kill has left beside the
@@ -59,7 +59,7 @@ def find_start(
     """
     from rodgen.analyse.curves.journal import Journal, identity, journal_path
 
-    number = point_number(resume, at, "--resume")
+    number = point_number(resume, point, "--resume")
     if file is None:
         return CurveStart(None, None if resume is None else read(resume), number)
     path = journal_path(file)
@@ -70,14 +70,14 @@ def find_start(
             raise _lost_steps_error(path, file, left)
         return CurveStart(Journal(path, own))
     here = resume.absolute() == file.absolute()
-    if left is not None and here and at is None and left.command == own:
+    if left is not None and here and point is None and left.command == own:
         return CurveStart(left)
     if left is not None and here and not resume.exists():
         changed = [name for name in own if own[name] != left.command.get(name)]
         allowed = f"the file of the command that was stopped (changed: {', '.join(changed)})"
         raise InputError("--resume", str(resume), allowed)
     curve = read(resume)
-    own |= {"resume": file_hash(resume), "at": number}
+    own |= {"resume": file_hash(resume), "point": number}
     if left is not None and left.command == own:
         return CurveStart(left, curve, number)
     if left is not None and here:

@@ -44,18 +44,18 @@ def cycle_branch(
             "--from",
             metavar="FILE",
             help="A branch of equilibria that rodgen branch has written: begin in its Hopf point "
-            "--at (1 is the first special point).",
+            "--point (1 is the first special point).",
         ),
     ] = None,
-    at: Annotated[
+    point: Annotated[
         int | None,
         typer.Option(
-            "--at",
+            "--point",
             help="Number of a special point of --from, or of a point of --resume. Default: the "
             "last point of --resume.",
         ),
     ] = None,
-    switch: Annotated[
+    branch_point: Annotated[
         int | None,
         typer.Option(
             metavar="NUMBER",
@@ -66,7 +66,7 @@ def cycle_branch(
     resume: ResumeFile = None,
     segments: Segments = 4,
     step: LongestStep = 0.1,
-    most: MostPoints = 200,
+    max_points: MostPoints = 200,
     check_mesh: CheckMesh = False,
     out_folder: OutFolder = Path("results"),
     as_json: AsJson = False,
@@ -83,21 +83,23 @@ def cycle_branch(
     between = parse_both_bounds(bounds)
     if equilibria is not None and resume is not None:
         raise InputError("--from", str(equilibria), "absent beside --resume")
-    if equilibria is not None and at is None:
-        raise InputError("--at", at, "given with --from: the number of a Hopf point")
-    point_number(equilibria or resume, at, "--from or --resume")
-    how: dict[str, Any] = {"switch": switch, "segments": segments}
-    how |= {"step": step, "most": most, "check_mesh": check_mesh}
-    name = CYCLES if switch is None else f"{CYCLES}_{switch}"
+    if equilibria is not None and point is None:
+        raise InputError("--point", point, "given with --from: the number of a Hopf point")
+    point_number(equilibria or resume, point, "--from or --resume")
+    how: dict[str, Any] = {"branch_point": branch_point, "segments": segments}
+    how |= {"step": step, "max_points": max_points, "check_mesh": check_mesh}
+    name = CYCLES if branch_point is None else f"{CYCLES}_{branch_point}"
     file = None if as_json else out_folder / scene.name / f"{name}.nc"
     options: dict[str, Any] = {"vary": vary, "bounds": between, **how}
-    options |= {"start": file_hash(equilibria), "start_at": at} if equilibria else {"start": start}
-    number = None if equilibria else at
+    options |= (
+        {"start": file_hash(equilibria), "start_point": point} if equilibria else {"start": start}
+    )
+    number = None if equilibria else point
     begun = find_start("cycle-branch", scene, options, file, resume, number, FORMAT.read)
     if begun.curve is not None:
-        how |= {"resume": begun.curve, "at": begun.at}
+        how |= {"resume": begun.curve, "point": begun.point}
     elif equilibria:
-        how |= {"start": EQUILIBRIA.read(equilibria), "at": at}
+        how |= {"start": EQUILIBRIA.read(equilibria), "point": point}
     else:
         how["start"] = start
     follow_curve(
@@ -106,6 +108,6 @@ def cycle_branch(
         file,
         begun,
         lambda said: continue_cycles(
-            scene, vary, between, watch=lambda value: said(f"{vary} = {value:.6g}"), **how
+            scene, vary, between, callback=lambda value: said(f"{vary} = {value:.6g}"), **how
         ),
     )

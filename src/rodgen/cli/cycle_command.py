@@ -15,16 +15,16 @@ from rodgen.scene import Scene
 
 def cycle(
     scene: Scene,
-    by: Annotated[
+    method: Annotated[
         str | None,
         typer.Option(
-            help="collocation (on a mesh of the period), shooting, or picard (only the leading "
-            "multipliers). Default: collocation, and picard for many links."
+            help="collocation (on a mesh of the period), shooting, or newton_picard (the leading "
+            "multipliers alone). Default: collocation, for many links newton_picard."
         ),
     ] = None,
     multipliers: Annotated[
         int | None,
-        typer.Option(metavar="K", help="Number of leading multipliers of picard. Default: 10."),
+        typer.Option(metavar="K", help="Number of multipliers of newton_picard. Default: 10."),
     ] = None,
     segments: Annotated[
         int | None,
@@ -36,12 +36,12 @@ def cycle(
             "--from",
             metavar="FILE",
             help="A branch of cycles that rodgen cycle-branch has written: begin with its cycle "
-            "--at, stable or not, instead of a run. Without --at, begin with the cycle nearest to "
-            "SCENE's own value, and find the cycle at this value.",
+            "--point, stable or not, instead of a run. Without --point, begin with the cycle "
+            "nearest to SCENE's own value, and find the cycle at this value.",
         ),
     ] = None,
-    at: Annotated[
-        int | None, typer.Option("--at", help="Number of a cycle of FILE, from 0. See --from.")
+    point: Annotated[
+        int | None, typer.Option("--point", help="Number of a cycle of FILE, from 0. See --from.")
     ] = None,
     check_mesh: CheckMesh = False,
     out_folder: OutFolder = Path("results"),
@@ -51,16 +51,16 @@ def cycle(
     from rodgen.analyse.cycles.cycle_data import FORMAT
     from rodgen.analyse.cycles.periodic_motion import find_cycle
 
-    point_number(start, at, "--from")
+    point_number(start, point, "--from")
     with delivery(scene, out_folder, as_json) as deliver:
         with show_work("looking for a cycle"):
             found = find_cycle(
                 scene,
-                by=by,
+                method=method,
                 segments=segments,
                 multipliers=multipliers,
                 start=None if start is None else FORMAT.read(start),
-                at=at,
+                point=point,
                 check_mesh=check_mesh,
             )
         deliver("cycle", found, {"cycle": "film", "multipliers": "multipliers"})

@@ -119,13 +119,15 @@ ResumeFile = Annotated[
     ),
 ]
 PointNumber = Annotated[
-    int | None, typer.Option("--at", help="Number of a point of FILE. Default: the last.")
+    int | None, typer.Option("--point", help="Number of a point of FILE. Default: the last.")
 ]
 LongestStep = Annotated[
     float, typer.Option("--step", help="Longest step along the curve, as a share of the range.")
 ]
 Segments = Annotated[int, typer.Option(help="Number of parts into which the period is cut.")]
-MostPoints = Annotated[int, typer.Option("--most", help="Largest number of points, to each side.")]
+MostPoints = Annotated[
+    int, typer.Option("--max-points", help="Largest number of points, to each side.")
+]
 LAST = -1  # the number of a point, if not given
 SCENE, SET, QUIET, NO_PICTURES = "scene", "changes", "quiet", "no_pictures"
 
@@ -150,12 +152,12 @@ def parse_both_bounds(text: str) -> tuple[float, float]:
     return low, high
 
 
-def point_number(file: Path | None, at: int | None, option: str) -> int:
+def point_number(file: Path | None, point: int | None, option: str) -> int:
     """Number of a point of a file, by default the last; option: gives the file. Raises InputError
     for a number without a file."""
-    if at is not None and file is None:
-        raise InputError("--at", at, f"given with {option}, the file whose point it is")
-    return LAST if at is None else at
+    if point is not None and file is None:
+        raise InputError("--point", point, f"given with {option}, the file whose point it is")
+    return LAST if point is None else point
 
 
 def add_common_options(command: Callable[..., object]) -> Callable[..., object]:

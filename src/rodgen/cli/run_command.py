@@ -33,7 +33,7 @@ from rodgen.loading import build, build_or_explain, companions, sources
 from rodgen.loading.cache import write_whole
 from rodgen.model.methods import METHODS
 from rodgen.scene import Scene
-from rodgen.scene.integration import AUTO, IntegrationSettings, check_used
+from rodgen.scene.integration import AUTO, IntegrationSettings, check_settings_used
 from rodgen.system import System
 
 RESULT, SUMMARY = "solution.nc", "summary.txt"
@@ -90,7 +90,7 @@ def run(
         "output_every": output_every,
     }
     scene = scene.with_integrate(**overrides)
-    check_used(scene.integrate, overrides, prefix="--")
+    check_settings_used(scene.integrate, overrides, prefix="--")
     check_samples(System.of(scene), to_file=True)
     start, end = scene.integrate.span
     folder = out_folder / scene.name

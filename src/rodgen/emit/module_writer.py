@@ -107,7 +107,7 @@ def _programs(functions: Functions, parts: Iterable[str]) -> dict[str, Program]:
     if "implicit" in parts:
         programs["implicit"] = functions.implicit()
     if "power" in parts:
-        programs["power"] = functions.acting_power()
+        programs["power"] = functions.power_program()
     if "kinetics" in parts:
         programs |= functions.kinetics()
     if "quantities" in parts:

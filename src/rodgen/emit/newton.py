@@ -59,7 +59,7 @@ class NewtonMatrix:
         acceleration of joint 0 where it moves."""
         form, out = self.form, Outputs()
         if self.equations.has_velocity_loads:
-            for kind, gained in zip(("angle", "rate"), form.lever_derivatives, strict=True):
+            for kind, gained in zip(("angle", "rate"), form.link_velocity_derivatives, strict=True):
                 for r in range(2):
                     out[f"lever_{kind}_{r}"] = self.link, gained[r]
         moved = ("velocity", "position")  # of joints, of which there is one more than links

@@ -381,7 +381,7 @@ class Functions:
             outputs["curvatures"] = {"curvature": (domain, of.curvature)}
         return {name: self.compiler.compile(o, batch=True) for name, o in outputs.items()}
 
-    def acting_power(self) -> Program:
+    def power_program(self) -> Program:
         """Program of the power of every load without potential, for states along leading axes."""
         return self.compiler.compile(self.power, batch=True)
 

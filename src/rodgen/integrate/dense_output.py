@@ -60,8 +60,8 @@ class DenseOutput:
         if scene.integrate.method == AUTO:  # of a run without an end
             scene = scene.with_integrate(method=choose(scene, self._model).method)
         self.settings = _tighten(scene.integrate, share)
-        self._stretches = Stretches.of(scene.time_functions, scene.integrate.has_fixed_step)
-        self._switches = () if scene.integrate.has_fixed_step else scene.time_functions.switches()
+        self._stretches = Stretches.of(scene.time_laws, scene.integrate.has_fixed_step)
+        self._switches = () if scene.integrate.has_fixed_step else scene.time_laws.switches()
         self._p = trajectory.system.p
         self._works = loads_at_work(self._model)
 

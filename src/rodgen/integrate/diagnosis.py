@@ -36,7 +36,7 @@ def step_doubts(system: System, model: ModuleType) -> tuple[Note, ...]:
     return tuple(_find_doubts(system, model))
 
 
-def doubt_counts(system: System, model: ModuleType, p: Array, y0: Array) -> NDArray[np.intp]:
+def count_doubts(system: System, model: ModuleType, p: Array, y0: Array) -> NDArray[np.intp]:
     """Count the doubts about each of many runs: p (runs, width), y0 (runs, states); steps and
     tolerance are looked at for one of them, system."""
     same = len(system.unused_names) + sum(1 for _ in _find_doubts(system, model))
@@ -46,13 +46,13 @@ def doubt_counts(system: System, model: ModuleType, p: Array, y0: Array) -> NDAr
 def _find_doubts(system: System, model: ModuleType) -> Iterator[Note]:
     settings = system.settings
     yield from _table_doubts(system)
-    for load in system.time_functions.loads:
+    for load in system.time_laws.loads:
         if not load.is_resolvable(*settings.span):
             yield doubt(
                 f"{load.field} = {shorten(load.text)}: changes more often in the span than can be "
                 "looked at, and may be taken for another load; give it a shorter span"
             )
-    for law in system.time_functions.crowded_expressions():
+    for law in system.time_laws.crowded_expressions():
         yield doubt(
             f"{law.field} = {shorten(law.text)}: it is not smooth at places that pass more points "
             f"of the links than the {MOST_FRONTS} times that steps end at; they are passed over, "
@@ -71,7 +71,7 @@ def _find_doubts(system: System, model: ModuleType) -> Iterator[Note]:
     if long is not None:
         yield long
     yield from _pulse_doubts(system, settings.step)
-    half = system.time_functions.half_period()
+    half = system.time_laws.half_period()
     if 2 * half < SWING * settings.step:
         words = f"a load swings with a period of {2 * half:.2g} s, for which the step of "
         words += f"{settings.step:g} s is too long; take a smaller step, or dop853"
@@ -81,7 +81,7 @@ def _find_doubts(system: System, model: ModuleType) -> Iterator[Note]:
 def _table_doubts(system: System) -> Iterator[Note]:
     """Doubts about thrusts that keep the first value of a table before it, or the last after it."""
     start, end = system.settings.span
-    tables = {name: law for name, law in system.time_laws.items() if law.has_table}
+    tables = {name: law for name, law in system.time_dependent_loads.items() if law.has_table}
     loads = map(TERMS.__getitem__, system.load_terms if tables else ())
     thrusts = {one.name for term in loads if term.follows for one in term.size_parameters}
     for name in sorted(thrusts & tables.keys()):
@@ -123,7 +123,7 @@ def drift_doubt(system: System) -> Note | None:
 
 def _pulse_doubts(system: System, step: float) -> Iterator[Note]:
     """Doubt about the first pulse of a load that is too short for a fixed step [s]."""
-    course = system.time_functions
+    course = system.time_laws
     breaks = course.breaks()
     for begin, peak, over in () if course.first_pole() else course.pulses():
         met = any(begin <= at <= over for at in breaks)  # and stepped onto
@@ -145,7 +145,7 @@ def failure_message(error: ArithmeticError, scene: Scene, machine: Integrator, p
 def _load_clause(scene: Scene, machine: Integrator, pole: Pole) -> str:
     """Clause on the load that is not finite where a run stopped, and when; else empty."""
     asked = machine.load_times
-    for force in scene.time_functions.loads:
+    for force in scene.time_laws.loads:
         broken = [at for at in asked if not np.isfinite(force(at))]
         if broken:
             return f"; {force.not_finite_message(min(broken))} s"

@@ -56,7 +56,7 @@ class Ensemble(Result):
 
     ROWS = (
         Row("runs", "runs", of=len),
-        Row("failures", "failed runs"),
+        Row("n_failures", "failed runs"),
         Row("kept", "quantity", along="kept", of=lambda found: [*found.finished_values]),
         Row("least", "least", format=".6g", along="kept"),
         Row("largest", "largest", format=".6g", along="kept"),
@@ -73,7 +73,7 @@ class Ensemble(Result):
     )
 
     @property
-    def failures(self) -> int:
+    def n_failures(self) -> int:
         """Number of runs that did not finish."""
         return int((self.status != FINISHED).sum())
 
@@ -119,4 +119,4 @@ class Ensemble(Result):
 
     def __repr__(self) -> str:
         kept = f"; {', '.join(self.values)}" if self.values else ""
-        return f"<Ensemble of {len(self)} runs, {self.failures} failed{kept}>"
+        return f"<Ensemble of {len(self)} runs, {self.n_failures} failed{kept}>"

@@ -182,7 +182,7 @@ class StretchTable:
         courses, ends = np.zeros(len(stretches), COURSE), np.zeros(len(pairs), STRETCH)
         courses["count"] = [len(one.ends) for one in stretches]
         courses["first"] = np.cumsum(courses["count"]) - courses["count"]
-        courses["longest"] = [one.swing for one in stretches]
+        courses["longest"] = [one.half_period for one in stretches]
         courses["pole"] = [one.pole is not None for one in stretches]
         ends["end"] = [end for _, end in pairs]
         ends["low"], ends["high"] = (

@@ -127,7 +127,7 @@ class ModuleFacts:
         places = [of.slices[name] for name in (*of.numbers, *dict(of.tables))]
         return np.array([at for one in places for at in range(one.start, one.stop)], dtype=int)
 
-    def time_functions(self, span: Sequence[float], p: Array) -> TimeLaws:
+    def time_laws(self, span: Sequence[float], p: Array) -> TimeLaws:
         """Laws in time of one rod within a span [s]. Raises InputError."""
         values, stiffness = self._values(p), self._spring_stiffness(p)
         return TimeLaws.from_structure(self.structure, values, span[0], span[1], stiffness)
@@ -145,7 +145,7 @@ class ModuleFacts:
             _remember(self._tables, key, TableData.of(numbers))
         return self._tables[key]
 
-    def time_laws(self, p: Array) -> dict[str, Expression]:
+    def time_dependent_loads(self, p: Array) -> dict[str, Expression]:
         """Loads of one rod that change with time alone, by the names of their parameters."""
         values, loads = self._values(p), self.structure.open_expressions.items()
         return {name: e.with_values(values) for name, e in loads if not e.signals}

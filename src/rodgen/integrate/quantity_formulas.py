@@ -15,7 +15,7 @@ import numpy as np
 from rodgen.arrays import Array
 from rodgen.errors import did_you_mean
 from rodgen.integrate.constraint_forces import forces_per_mass
-from rodgen.loading.generated_module import Asked, call_module, structure_of
+from rodgen.loading.generated_module import ModuleFunction, call_module, structure_of
 from rodgen.model.quantities import FORCES, QUANTITIES, Quantity
 from rodgen.model.rod import BOUNDARIES, Boundary
 from rodgen.model.terms import PARAMETERS, describe
@@ -66,7 +66,7 @@ class Motion:
         raise NotImplementedError
 
     @cached_property
-    def time_laws(self) -> Mapping[str, Callable[[Any], Any]]:
+    def time_dependent_loads(self) -> Mapping[str, Callable[[Any], Any]]:
         """Loads that change with time, by the names of their parameters."""
         raise NotImplementedError
 
@@ -89,7 +89,7 @@ class Motion:
         """A parameter of the module that is a number, (...) or one for all samples."""
         raise NotImplementedError
 
-    def evaluate(self, function: str | Asked, *arrays: Array) -> Any:
+    def evaluate(self, function: str | ModuleFunction, *arrays: Array) -> Any:
         """Call a function of the module (see call_module) on arrays over the samples and the
         parameters: an array, (..., parts) of several results, or a dictionary of arrays by term."""
         raise NotImplementedError
@@ -151,7 +151,7 @@ class MotionSlice(Motion):
         )
         self.extra_states = tuple(getattr(model, "STATES", ()))
         self.t = np.zeros(y.shape[:-1]) if t is None else t
-        self.work, self.time_laws = work or {}, timed or {}
+        self.work, self.time_dependent_loads = work or {}, timed or {}
         self.energy_input, self.start_energy = given, start_energy
 
     @cached_property
@@ -163,7 +163,7 @@ class MotionSlice(Motion):
         names = self.model.PARAMETERS
         return float(self.p[names.index(name)]) if name in names else 0.0
 
-    def evaluate(self, function: str | Asked, *arrays: Array) -> Any:
+    def evaluate(self, function: str | ModuleFunction, *arrays: Array) -> Any:
         return stack_parts(call_module(self.model, function, self.t, *arrays, self.p))
 
 
@@ -334,8 +334,8 @@ def _total_energy(motion: Motion) -> Array:
 
 def _load(motion: Motion, name: str) -> Array:
     """Values of a load that may change with time, at the times of the samples."""
-    if name in motion.time_laws:
-        value = motion.time_laws[name](motion.t)
+    if name in motion.time_dependent_loads:
+        value = motion.time_dependent_loads[name](motion.t)
     elif name in motion.values("signals"):
         value = motion.values("signals")[name]
     else:

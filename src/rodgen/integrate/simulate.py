@@ -29,7 +29,7 @@ from rodgen.native.library import DeferredInterrupt
 from rodgen.progress import report_stages_to, show_run
 from rodgen.result import Note, warn_of
 from rodgen.scene import Scene
-from rodgen.scene.integration import AUTO, IntegrationSettings, check_used, with_keywords
+from rodgen.scene.integration import AUTO, IntegrationSettings, check_settings_used, with_keywords
 from rodgen.system import System
 
 LINK, SAMPLE = 6e3, 24.0  # bytes for every link, and for every number of a sample
@@ -114,9 +114,9 @@ def simulate(
     notes = system.doubts
     if any(value is not None for value in overrides.values()):
         system = system.with_settings(**overrides)
-        check_used(system.settings, overrides)
+        check_settings_used(system.settings, overrides)
     check_samples(system, to_file=out is not None)
-    system.time_functions.check_masses()
+    system.time_laws.check_masses()
     with _build_reports(progress):
         if model is None:
             model = system.model(target, initial_parts(system.settings, target))
@@ -255,7 +255,7 @@ class _Simulation:
         self.system, self.model = system, model = saver.system, saver.model
         self.settings, self.p = system.settings, system.p
         self.notes = notes
-        switches = () if self.settings.has_fixed_step else system.time_functions.switches()
+        switches = () if self.settings.has_fixed_step else system.time_laws.switches()
         self.watch = EventDetector(system.events, model, self.p, switches)
         self.start = self._told = time.perf_counter()
         start, y0 = self.settings.span[0], system.y0
@@ -283,7 +283,7 @@ class _Simulation:
 
     def _step_through(self) -> str:
         """Step through all stretches, and return the message of the end."""
-        stretches = Stretches.of(self.system.time_functions, self.settings.has_fixed_step)
+        stretches = Stretches.of(self.system.time_laws, self.settings.has_fixed_step)
         self.pole = stretches.pole
         self.saver.restore(self.machine)
         parts, budget = (self.machine, self.recorder, self.watch), self.settings.step_limit

@@ -32,7 +32,7 @@ from rodgen.scene.integration import (
     AUTO,
     IntegrationSettings,
     IntegrationTable,
-    check_used,
+    check_settings_used,
     with_keywords,
 )
 from rodgen.scene.plain_tables import to_plain
@@ -113,7 +113,7 @@ def simulate_many(
                 raise InputError(name, Missing(), "given beside a module")
         return simulate_rods(system, p, y0, keep=keep, workers=workers, **settings)
     system = System.of(system).with_settings(**settings)
-    check_used(system.settings, settings)
+    check_settings_used(system.settings, settings)
     if ends := [event.name for event in system.events if event.action == "stop"]:
         raise InputError("events", ends, "absent, as they stop a run: rodgen.study heeds them")
     model = system.model(parts=PARTS)
@@ -214,7 +214,7 @@ def _settings(given: tuple[tuple[str, Any], ...]) -> tuple[IntegrationTable, lan
         raise to_input_error(error, IntegrationTable) from None
     if settings.method == AUTO:
         raise InputError("method", AUTO, f"one of {', '.join(METHODS)}: auto looks at one scene")
-    check_used(settings, table)
+    check_settings_used(settings, table)
     return settings, lane_runs.OutputTimes.of(settings.sample_times)
 
 
@@ -356,7 +356,7 @@ def _run(
     recorder: Recorder,
 ) -> None:
     """Run a rod to its end. Raises StepError."""
-    course = equations.time_functions(settings.span, p)
+    course = equations.time_laws(settings.span, p)
     watch = EventDetector(
         (), equations.model, p, () if settings.has_fixed_step else course.switches()
     )
@@ -380,7 +380,7 @@ def _store_reductions(
     motion = MotionSlice(
         *(equations.model, p, y, t, work),
         start_energy=float(at_start.values("total_energy")[0]),
-        timed=equations.time_laws(p),
+        timed=equations.time_dependent_loads(p),
     )
     for one in reductions:
         made.values[one.text][rod] = one.reduce(t, equations.numbers.values(motion, one.number))

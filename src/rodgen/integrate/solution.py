@@ -37,7 +37,7 @@ PARTS = frozenset(
         "names",
         "run_notes",
         "isel",
-        "time_laws",
+        "time_dependent_loads",
         "head",
     )
 )

@@ -108,18 +108,18 @@ class Integrator(Protocol):
 @dataclass(frozen=True)
 class Stretches:
     """Times in the span of a scene that steps must meet, ascending (ends): break points, and the
-    end, or a time just before the first pole of a load; swing: half a period of the fastest load
-    [s], see TimeLaws.half_period."""
+    end, or a time just before the first pole of a load; half_period: of the fastest load [s], see
+    TimeLaws.half_period."""
 
     ends: list[float]
     pole: Pole = None
-    swing: float = np.inf
+    half_period: float = np.inf
 
     @classmethod
     def of(cls, course: TimeLaws, fixed: bool, more: Iterable[Pulse] = ()) -> Stretches:
         """Find the stretches of a course; fixed: all steps are equal; more: other pulses."""
         start, end = course.start, course.end
-        breaks, pole, swing = course.breaks(), course.first_pole(), course.half_period()
+        breaks, pole, half_period = course.breaks(), course.first_pole(), course.half_period()
         last = pole[0] - NEAREST * float(np.spacing(abs(pole[0]))) if pole else end
         if not fixed:  # what steps that grow in a time of rest would pass over
             # A pulse may rise slowly before its change counts: from its own length earlier on, lest
@@ -128,7 +128,7 @@ class Stretches:
             found = (at for begin, peak, over in pulses for at in (2 * begin - over, peak))
             breaks = _drop_close(sorted({*breaks, *found}), set(breaks), WAKES * (end - start))
         ends = [*(at for at in breaks if start < at < last), *([last] if last > start else [])]
-        return cls(ends, pole, swing)
+        return cls(ends, pole, half_period)
 
     def between(self, start: float, end: float) -> Stretches:
         """Stretches from a start to an earlier end [s]."""
@@ -152,7 +152,7 @@ class Stretches:
             if end <= machine.t:
                 continue
             if machine.end != end:  # else it was restored in the middle of this stretch
-                machine.begin(end, *evaluation_bounds(machine.t, end), self.swing)
+                machine.begin(end, *evaluation_bounds(machine.t, end), self.half_period)
             _step_to(end, machine, recorder, watch, budget, look)
         if self.pole:  # a step across it would be finite, and wrong
             raise StepError(UNBOUNDED)
@@ -209,7 +209,7 @@ class Windows:
 
     def __init__(self, system: System, origin: float):
         start, end = system.settings.span
-        self._course, self._fixed = system.time_functions, system.settings.has_fixed_step
+        self._course, self._fixed = system.time_laws, system.settings.has_fixed_step
         self._origin, self.length = origin, end - start
         # To the bit, lest the first window end beside the span.
         self._first = end if origin == start else origin + self.length

@@ -17,7 +17,7 @@ from rodgen.errors import InputError
 from rodgen.integrate.quantity_formulas import Motion, PrincipalAxes, stack_parts
 from rodgen.integrate.stepper import Stats
 from rodgen.loading import build, build_fastest
-from rodgen.loading.generated_module import Asked, call_module
+from rodgen.loading.generated_module import ModuleFunction, call_module
 from rodgen.model.rod import Boundary
 from rodgen.result import Note
 from rodgen.scene import Scene
@@ -167,17 +167,17 @@ class Trajectory(Motion):
         return self.system.structure.has_feedback
 
     @cached_property
-    def time_laws(self) -> Mapping[str, Callable[[Any], Any]]:
+    def time_dependent_loads(self) -> Mapping[str, Callable[[Any], Any]]:
         """Loads that change with time, by the names of their parameters, each a function of the
         time [s]."""
-        return self.system.time_laws
+        return self.system.time_dependent_loads
 
     @cached_property
     def energy_input(self) -> Array | float:
         """Energy that changes and kicks have put in since the start [J], (T,) or a number."""
         return 0.0 if self.changes is None else self.changes.given
 
-    def evaluate(self, function: str | Asked, *arrays: Array) -> Any:
+    def evaluate(self, function: str | ModuleFunction, *arrays: Array) -> Any:
         """Call a function of the module on every sample and the parameters then: an array, (T,
         parts) of several results, or a dictionary of arrays by term.
 

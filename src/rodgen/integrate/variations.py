@@ -56,11 +56,11 @@ class StepSettings:
         """Settings of a scene in its span; dop853 where its method takes no tangents along."""
         settings: IntegrationTable = scene.integrate
         method = settings.method if settings.method in METHODS else "dop853"
-        stretches = Stretches.of(scene.time_functions, settings.has_fixed_step)
+        stretches = Stretches.of(scene.time_laws, settings.has_fixed_step)
         step = settings.step if settings.step is not None and method == settings.method else 0.0
         tolerances = settings.model_copy(update={"method": method}).step_tolerances
-        switches = () if settings.has_fixed_step else scene.time_functions.switches()
-        return cls(method, step, *tolerances, stretches.ends, stretches.swing, switches)
+        switches = () if settings.has_fixed_step else scene.time_laws.switches()
+        return cls(method, step, *tolerances, stretches.ends, stretches.half_period, switches)
 
 
 class _TangentIntegrator(Protocol):

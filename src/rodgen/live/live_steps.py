@@ -25,7 +25,7 @@ from rodgen.system import System
 STOPS = (StepError, OverflowError)  # what a method ends with that cannot go on
 
 
-class RunProgress:
+class SystemSteps:
     """Steps of an open-ended run from (t, y) with one system, whose method is chosen.
 
     origin: start of the run [s]. Raises InputError for a method that cannot be had; what stops the
@@ -36,7 +36,7 @@ class RunProgress:
         self.system, settings = system, system.settings
         self.machine = make_integrator(model, system.p, settings, t, y.copy())
         self.compiled = isinstance(self.machine, CompiledIntegrator)
-        switches = () if settings.has_fixed_step else system.time_functions.switches()
+        switches = () if settings.has_fixed_step else system.time_laws.switches()
         self._watch = EventDetector([], model, system.p, switches)
         self._windows = Windows(system, origin)
         self._ended, self._pace = True, 0.0
@@ -48,7 +48,7 @@ class RunProgress:
         """Begin the next stretch. Raises StepError."""
         end = self._windows.next_end(self.machine.t)
         self.machine.begin(
-            end, *evaluation_bounds(self.machine.t, end), self._windows.stretches.swing
+            end, *evaluation_bounds(self.machine.t, end), self._windows.stretches.half_period
         )
         self._ended = False
 
@@ -122,14 +122,14 @@ class LiveSteps:
 
     works: tuple[str, ...]
     seconds: float
-    _course: RunProgress
+    _course: SystemSteps
     _tape: GridRecorder
     _spent: Counts  # of the courses before
     _base: Array  # works before the course [J]
     _known: tuple[float, Array, Array]  # the last sample given out, or the last change if later
     _failed: str
 
-    def _start(self, course: RunProgress, every: float, works: tuple[str, ...]) -> None:
+    def _start(self, course: SystemSteps, every: float, works: tuple[str, ...]) -> None:
         """Begin a course with all counts at zero."""
         self._course, self._failed, self.works = course, "", works
         self._spent, self.seconds = Counts(), 0.0
@@ -137,7 +137,7 @@ class LiveSteps:
         self._known = self.t, self.y, self._base
         self._tape = GridRecorder(self.t, every, len(self.y), self._loads)
 
-    def _take_up(self, course: RunProgress, work: Array, every: float | None = None) -> None:
+    def _take_up(self, course: SystemSteps, work: Array, every: float | None = None) -> None:
         """Go on by another course, with the works up to here; every: other seconds between two
         samples."""
         self._spent += self._course.machine.counts

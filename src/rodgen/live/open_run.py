@@ -18,7 +18,7 @@ from rodgen.integrate.methods.method_choice import Choice, choose
 from rodgen.integrate.quantity_formulas import loads_at_work
 from rodgen.integrate.stability import largest_stable_step
 from rodgen.live.grid_recorder import Samples
-from rodgen.live.live_steps import LiveError, LiveSteps, RunProgress
+from rodgen.live.live_steps import LiveError, LiveSteps, SystemSteps
 from rodgen.live.pull import Pull, check_number, check_point, with_idle_support, with_pull
 from rodgen.loading.generated_module import call_module
 from rodgen.model.terms import PULL
@@ -251,7 +251,7 @@ class Live(LiveSteps):
         self.system, self.choice, self._warnings = system, choice, None
         self._switch_course(course, t, y, work)
 
-    def _switch_course(self, course: RunProgress, t: float, y: Array, work: Array) -> None:
+    def _switch_course(self, course: SystemSteps, t: float, y: Array, work: Array) -> None:
         """Take up another course, from state y and the works here, and count the energy given."""
         before = self._energy(t, y, self.p)
         self._take_up(course, work)
@@ -267,12 +267,12 @@ class Live(LiveSteps):
 
     def _make_course(
         self, system: System, choice: Choice, t: float, y: Array, origin: float | None = None
-    ) -> RunProgress:
+    ) -> SystemSteps:
         """Run from (t, y), of a run that began at the origin [s]. Raises InputError."""
         origin = self._origin if origin is None else origin
         system = self._with_method(self._with_pull(system), choice)
         with np.errstate(all="ignore"):
-            return RunProgress(system, self.model, t, y, origin)
+            return SystemSteps(system, self.model, t, y, origin)
 
     def _with_method(self, system: System, choice: Choice) -> System:
         """System with the chosen method, or with one of FOR_LOOKING."""

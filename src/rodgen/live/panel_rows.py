@@ -83,7 +83,7 @@ class PanelState:
     def __init__(self, scene: Scene, model: ModuleType, present: RunStatus):
         self.scene, self.model, self.present = scene, model, present
         self.settings = present.settings or scene.integrate
-        self.motion = motion_of(model, present.chunk.last(), scene.time_laws)
+        self.motion = motion_of(model, present.chunk.last(), scene.time_dependent_loads)
 
     def value(self, name: str, at: Index = ()) -> float:
         """Present value of an entry of a quantity."""
@@ -91,7 +91,7 @@ class PanelState:
 
     def parameter(self, name: str) -> float:
         """Present value of a parameter of the module, or of a load that changes with time."""
-        follows = name in self.motion.time_laws or name in self.motion.values("signals")
+        follows = name in self.motion.time_dependent_loads or name in self.motion.values("signals")
         return self.value(name) if follows else float(self.motion.parameter(name))
 
     def parameter_values(self, name: str) -> Array:

@@ -80,7 +80,7 @@ class Catalogue:
 
     def __init__(self, system: System | Scene, model: ModuleType, others: tuple[str, ...] = ()):
         system = System.of(system)
-        self.model, self._timed = model, system.time_laws
+        self.model, self._timed = model, system.time_dependent_loads
         powers = loads_at_work(model)
         self.works = (*powers, *others)
         self.quantities: dict[str, PlotQuantity] = {}

@@ -35,7 +35,7 @@ def view(
             " branch or rodgen cycle-branch.",
         ),
     ] = None,
-    at: PointNumber = None,
+    point: PointNumber = None,
     folder: Annotated[
         Path | None,
         typer.Option(help="Folder of the scenes to choose from. Default: that of SCENE."),
@@ -73,7 +73,7 @@ def view(
             raise InputError("--set", changes, "absent beside a result")
         _export_page(lambda: _load_result(scene_file), export)
         return
-    number = point_number(branch, at, "--from")
+    number = point_number(branch, point, "--from")
     if branch is not None:
         scene, beside = _scene_at_point(branch, number), branch
     elif scene_file is not None:

@@ -18,7 +18,7 @@ from rodgen.errors import InputError, check_type
 from rodgen.loading import cache
 from rodgen.loading.generated_module import Model, load_files, structure_of
 from rodgen.native import native_batch, native_run
-from rodgen.native.library import BuildError, build_environment, end_compilers
+from rodgen.native.library import BuildError, end_compilers, library_environment
 from rodgen.progress import COMPILING, DERIVING, report_stage, show_work
 from rodgen.scene import Scene, Structure
 
@@ -79,7 +79,7 @@ def build(
         allowed = f"at most {MOST_DENSE_LINKS} in the dense form: it holds links^2 numbers"
         raise InputError("rod.links", structure.links, allowed)
     # What a C module is compiled by belongs to it, and so does where it would be kept.
-    model = _empty_model(structure, target, form, build_environment())
+    model = _cached_model(structure, target, form, library_environment())
     model.make(parts)
     return model
 
@@ -93,7 +93,7 @@ copyreg.pickle(Model, _reduce)
 
 
 @lru_cache(maxsize=16)
-def _empty_model(
+def _cached_model(
     structure: Structure, target: str, form: str, around: tuple[str | None, ...]
 ) -> Model:
     """Module that is loaded once in a process, without parts at first."""

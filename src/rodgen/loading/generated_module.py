@@ -18,7 +18,7 @@ from rodgen.native.library import BuildError
 from rodgen.scene.structure import Structure
 
 Namespace = Mapping[str, Any]
-Asked = Callable[..., Any]
+ModuleFunction = Callable[..., Any]
 CONTRACT = (
     *("N", "BOUNDARY", "INERTIA", "TERMS", "STATE", "PARAMETERS", "PROVENANCE"),
     *("parameters", "rhs", "jac", "mass_matrix", "energy"),
@@ -106,7 +106,7 @@ def _cached_structure(*of: Any) -> Structure:
     return Structure(*of)
 
 
-def call_module(model: ModuleType, function: str | Asked, t: Any, *arrays: Any) -> Any:
+def call_module(model: ModuleType, function: str | ModuleFunction, t: Any, *arrays: Any) -> Any:
     """Call a function of a module, or a function of (module, t, *arrays), on arrays of states and
     parameters; t: times [s] of the states, passed on where the masses of the module are functions
     of time."""

@@ -80,7 +80,7 @@ class Boundary:
         return bool(self.first or self.root or self.tail)
 
     @property
-    def start_symbol(self) -> str:
+    def start_drawing(self) -> str:
         """Name of the drawing at joint 0: "none", a "wall" or a "pin"."""
         if self.translates:
             return "none"

@@ -56,7 +56,7 @@ class BuildError(RuntimeError):
     """
 
 
-def build_environment() -> tuple[str | None, ...]:
+def library_environment() -> tuple[str | None, ...]:
     """Environment variables by which a library is built, and by which its place is found."""
     names = ("CC", "RODGEN_CFLAGS", "RODGEN_CACHE", "XDG_CACHE_HOME", "PATH")
     return tuple(map(os.environ.get, names))

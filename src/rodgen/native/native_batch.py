@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from .library import build_environment, load_library
+from .library import library_environment, load_library
 from .native_run import HEADERS, STATUSES, NativeFunctions, cffi_declarations, header_numbers
 
 Array = NDArray[np.float64]
@@ -75,7 +75,7 @@ def lane_library() -> tuple[Any, Any]:
 
     Raises BuildError where there is none to be had.
     """
-    return _lane_library(build_environment())
+    return _lane_library(library_environment())
 
 
 @lru_cache(maxsize=4)

@@ -12,7 +12,7 @@ from typing import Any, ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from .library import build_environment, load_library
+from .library import library_environment, load_library
 
 Array = NDArray[np.float64]
 
@@ -44,7 +44,7 @@ def step_library() -> tuple[Any, Any]:
 
     Raises BuildError where there is none to be had.
     """
-    return _step_library(build_environment())
+    return _step_library(library_environment())
 
 
 @lru_cache(maxsize=4)
@@ -80,18 +80,18 @@ class NativeFunctions:
         return cls(library, functions, getattr(library, f"{stem}_{size}")())
 
 
-def flow_part(ffi: Any, library: Any, stem: str) -> NativeFunctions:
+def flow_functions(ffi: Any, library: Any, stem: str) -> NativeFunctions:
     """Functions of a library that explicit methods need."""
     return NativeFunctions.from_library(ffi, library, stem, "flow_work", ("flow",))
 
 
-def newton_part(ffi: Any, library: Any, stem: str) -> NativeFunctions:
+def newton_functions(ffi: Any, library: Any, stem: str) -> NativeFunctions:
     """Functions of a library that implicit methods need besides."""
     names = ("linearise", "factor", "solve_real", "solve_complex")
     return NativeFunctions.from_library(ffi, library, stem, "newton_work", names)
 
 
-def variations_part(ffi: Any, library: Any, stem: str) -> NativeFunctions:
+def variation_functions(ffi: Any, library: Any, stem: str) -> NativeFunctions:
     """Functions of a library that runs with tangents need in place of the rates alone."""
     return NativeFunctions.from_library(ffi, library, stem, "variations_work", ("variations",))
 

@@ -187,7 +187,9 @@ class IntegrationTable(Table):
         return times
 
 
-def check_used(settings: IntegrationTable, given: Mapping[str, Any], prefix: str = "") -> None:
+def check_settings_used(
+    settings: IntegrationTable, given: Mapping[str, Any], prefix: str = ""
+) -> None:
     """Raise InputError for a value that the method does not use.
 
     settings: all those of the run; given: those asked for beside the scene, None where not; prefix:

@@ -38,7 +38,7 @@ PARTS = frozenset(
             "link_values_at",
             "anchors",
             "check_numbers_in_use",
-            "time_functions",
+            "time_laws",
             "distribution",
         ),
         *(
@@ -57,7 +57,7 @@ PARTS = frozenset(
             "state_rates",
             "has_no_tangent_stiffness",
             "spring_law",
-            "time_laws",
+            "time_dependent_loads",
         ),
         *("unused_names", "with_settings"),
     )
@@ -233,7 +233,7 @@ class Scene(SceneTables, Plottable):
         settings: all of [integrate].
         """
         made = self.model_copy(update={"integrate": settings})
-        made.__dict__.pop("time_functions", None)
+        made.__dict__.pop("time_laws", None)
         return made
 
     def with_method(self, method: str) -> Scene:

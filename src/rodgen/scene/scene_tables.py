@@ -321,7 +321,7 @@ class SceneTables(Table):
         return {name: e for name, e in self.expressions.items() if PARAMETERS[name].each}
 
     @property
-    def time_laws(self) -> dict[str, Expression]:
+    def time_dependent_loads(self) -> dict[str, Expression]:
         """Parameters that change with time alone, by name."""
         found = self.expressions.keys() - self.loads_along_rod.keys()
         return {name: e for name, e in self.expressions.items() if name in found and not e.signals}
@@ -377,12 +377,15 @@ class SceneTables(Table):
         )
 
     @cached_property
-    def time_functions(self) -> TimeLaws:
+    def time_laws(self) -> TimeLaws:
         """Functions of time in the scene, over the span."""
         laws = [*self.expressions.values(), *self.state_rates.values()]
         masses = [mass for *_, mass in self.distribution.changing_masses]
         fed = [*self.feedback_loads.values(), *self.state_rates.values()]
-        timed, along = tuple(self.time_laws.values()), tuple(self.loads_along_rod.values())
+        timed, along = (
+            tuple(self.time_dependent_loads.values()),
+            tuple(self.loads_along_rod.values()),
+        )
         law, (start, end) = self.spring_law, self.integrate.span
         return TimeLaws(
             start,
@@ -400,4 +403,4 @@ class SceneTables(Table):
     def breaks(self) -> list[float]:
         """Break points: times inside the span [s] at which a load, the rate of a state or a mass is
         not smooth in t, ascending. An integrator of your own should step onto them."""
-        return self.time_functions.breaks()
+        return self.time_laws.breaks()

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Generator, Mapping, Sized
-from typing import Annotated, Any, Self
+from typing import TYPE_CHECKING, Annotated, Any, Self
 
 import numpy as np
 from numpy.typing import NDArray
@@ -50,7 +50,22 @@ Sizes = Annotated[list[Size], Field(fail_fast=True)]
 Factors = Annotated[list[NotNegative], Field(fail_fast=True)]
 
 
-class Table(BaseModel):
+if TYPE_CHECKING:
+    from pydantic._internal._model_construction import ModelMetaclass
+else:
+    ModelMetaclass = type(BaseModel)  # which is not public
+HIDDEN = {name for name in dir(BaseModel) if not name.startswith("_")}
+
+
+class TableType(ModelMetaclass):
+    """Type of tables."""
+
+    def __dir__(self) -> list[str]:
+        """Names that editors complete, without pydantic's thirty, some of which warn."""
+        return [name for name in super().__dir__() if name not in HIDDEN]
+
+
+class Table(BaseModel, metaclass=TableType):
     """Base class of tables: unknown keys and values of another type are refused; never changed."""
 
     model_config = ConfigDict(extra="forbid", frozen=True, strict=True)
@@ -75,9 +90,8 @@ class Table(BaseModel):
         return hash(tuple(make_immutable(getattr(self, name)) for name in type(self).model_fields))
 
     def __dir__(self) -> list[str]:
-        """Names that editors complete, without pydantic's thirty, some of which warn."""
-        hidden = {name for name in dir(BaseModel) if not name.startswith("_")}
-        return [name for name in super().__dir__() if name not in hidden]
+        """Names that editors complete."""
+        return [name for name in super().__dir__() if name not in HIDDEN]
 
     @model_validator(mode="after")
     def _freeze(self) -> Self:

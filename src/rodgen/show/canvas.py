@@ -150,4 +150,4 @@ def _draw_bodies(axes: Axes, scene: Scene, joints: np.ndarray, colour: Any) -> N
 
 def start_name(scene: Scene) -> str:
     """Return the name of joint 0: "nose" or "root"."""
-    return "nose" if scene.boundary_condition.start_symbol == "none" else "root"
+    return "nose" if scene.boundary_condition.start_drawing == "none" else "root"

@@ -35,7 +35,7 @@ from rodgen.show.canvas import (
 from rodgen.show.time_pictures import (
     NAMED,
     force_intervals,
-    has_bending,
+    has_bending_moment,
     mark_times,
     moment_map,
     shapes,
@@ -149,7 +149,7 @@ def save_pictures(solution: Solution, folder: Path) -> list[Path]:
     shown = drawable_part(solution)
     if not len(shown.t):
         return []
-    there = {k: draw for k, draw in PICTURES.items() if k != "moment" or has_bending(shown)}
+    there = {k: draw for k, draw in PICTURES.items() if k != "moment" or has_bending_moment(shown)}
     for name in PICTURES.keys() - there:  # of an earlier run
         (folder / f"{name}.png").unlink(missing_ok=True)
     return save_figures(((name, draw(shown)) for name, draw in there.items()), folder)

@@ -101,7 +101,7 @@ def moment_map(solution: Solution) -> Figure:
     kept = even_indices(0, len(solution.t) - 1, COLUMNS)
     found = solution.bending_moments[kept]
     axes.set_title(f"{solution.scene.name}: bending moment")
-    if not has_bending(solution):
+    if not has_bending_moment(solution):
         axes.text(0.5, 0.5, "none anywhere, at any time", ha="center", va="center")
         axes.set_axis_off()
         return figure
@@ -127,7 +127,7 @@ def moment_map(solution: Solution) -> Figure:
     return figure
 
 
-def has_bending(solution: Solution) -> bool:
+def has_bending_moment(solution: Solution) -> bool:
     """Whether there is any bending moment: a chain has none."""
     return bool(solution.bending_moments.any())
 

@@ -19,35 +19,35 @@ ANALYSES = (CRITICAL, MODES, STATIC, LYAPUNOV, FLOQUET, CYCLE)
 FEW = 16  # modes that are looked at for whether one grows
 
 
-def function_of(what: str) -> Callable[..., Any]:
+def function_of(analysis: str) -> Callable[..., Any]:
     """Return the function that analyses a system."""
-    return _analysis(what)[0]
+    return _analysis(analysis)[0]
 
 
-def rows_of(what: str) -> dict[str, Row]:
+def rows_of(analysis: str) -> dict[str, Row]:
     """Return the rows of an analysis that a study can keep, by name."""
-    return {row.name: row for row in _analysis(what)[1].ROWS if row.kept is not None}
+    return {row.name: row for row in _analysis(analysis)[1].ROWS if row.kept is not None}
 
 
-def _analysis(what: str) -> tuple[Callable[..., Any], type[Result]]:
+def _analysis(analysis: str) -> tuple[Callable[..., Any], type[Result]]:
     """Return the function of an analysis and the class of its result, imported on request."""
-    if what == CRITICAL:
+    if analysis == CRITICAL:
         from rodgen.analyse.critical import Critical, critical_load
 
         return critical_load, Critical
-    if what == MODES:
+    if analysis == MODES:
         from rodgen.analyse.modes import Modes, natural_modes
 
         return natural_modes, Modes
-    if what == LYAPUNOV:
+    if analysis == LYAPUNOV:
         from rodgen.analyse.chaos.lyapunov import Exponents, lyapunov_exponents
 
         return lyapunov_exponents, Exponents
-    if what == FLOQUET:
+    if analysis == FLOQUET:
         from rodgen.analyse.cycles.floquet import Floquet, floquet
 
         return floquet, Floquet
-    if what == CYCLE:
+    if analysis == CYCLE:
         from rodgen.analyse.cycles.cycle_result import Cycle
         from rodgen.analyse.cycles.periodic_motion import find_cycle
 
@@ -58,10 +58,10 @@ def _analysis(what: str) -> tuple[Callable[..., Any], type[Result]]:
 
 
 @lru_cache(maxsize=8)
-def unit_in(what: str, system: System, load: str | None) -> str:
+def unit_in(analysis: str, system: System, load: str | None) -> str:
     """Return the unit of the load that is scaled, by default the first that follows the rod; "" for
     an analysis that scales none. Raises InputError for a load that cannot be scaled."""
-    if what != CRITICAL:
+    if analysis != CRITICAL:
         return ""
     from rodgen.analyse.scaled_load import default_load, unit_of
 
@@ -81,12 +81,12 @@ def kept_value(row: Row, result: Result, count: int) -> Any:
     return value
 
 
-def analyse(what: str, system: System, options: Mapping[str, Any], count: int) -> Any:
+def analyse(analysis: str, system: System, options: Mapping[str, Any], count: int) -> Any:
     """Analyse a system; count: how many of several values are kept. Raises InputError,
     AnalysisError and RunError."""
-    if what == MODES:
-        return function_of(what)(system, max(count, FEW), **options)
-    if what == LYAPUNOV:
+    if analysis == MODES:
+        return function_of(analysis)(system, max(count, FEW), **options)
+    if analysis == LYAPUNOV:
         states = len(system.y0)
-        return function_of(what)(system, count=min(max(count, 1), states), **options)
-    return function_of(what)(system, **options)
+        return function_of(analysis)(system, count=min(max(count, 1), states), **options)
+    return function_of(analysis)(system, **options)

@@ -70,7 +70,7 @@ def study(
     scene: Scene | Study | str | Path,
     vary: Mapping[str, Any] | None = None,
     *,
-    what: str = "run",
+    analysis: str = "run",
     keep: Sequence[Kept] | Kept = (),
     sample: Mapping[str, Any] | None = None,
     options: Mapping[str, Any] | None = None,
@@ -96,7 +96,7 @@ def study(
     vary
         Values of every key, by dotted name, such as {"loads.follower.force": [5, 10]}, or a table
         {bounds, count, scale}.
-    what
+    analysis
         "run", "critical", "modes", "static", "lyapunov", "floquet" or "cycle".
     keep
         Quantities kept of every point: reductions of a run such as "max(phi_19)", results of an
@@ -147,12 +147,16 @@ def study(
     >>> import rodgen
     >>> scene = rodgen.Scene.example("ziegler")
     >>> data = rodgen.study(
-    ...     scene, {"loads.follower.force": [1.5, 3.0]}, what="modes", keep=["stable"], workers=1
+    ...     scene,
+    ...     {"loads.follower.force": [1.5, 3.0]},
+    ...     analysis="modes",
+    ...     keep=["stable"],
+    ...     workers=1,
     ... )
     >>> data["stable"].values.tolist()
     [1, 0]
     """
-    given = {"what": what, "keep": keep, "sample": sample, "options": options}
+    given = {"analysis": analysis, "keep": keep, "sample": sample, "options": options}
     made = (
         scene
         if isinstance(scene, Study)

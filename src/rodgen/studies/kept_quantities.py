@@ -41,7 +41,7 @@ from rodgen.system import System
 
 RUN = "run"
 PARTS = ("rhs", "flow", "power", "lanes")  # of a module, that runs ask for
-LIMIT = 10**6  # largest `most` of a section
+LIMIT = 10**6  # largest `max_points` of a section
 SUMMED = "total_work", "energy_balance"  # beside the work of each load
 
 _CALL = re.compile(r"\s*(\w+)\s*(?:\((.*)\))?\s*", re.DOTALL)
@@ -56,7 +56,7 @@ _OF_A_RUN = (
 def variables(study: Specification) -> list[StudyVariable]:
     """Return the variables that the points of a study fill, known before any is computed. Raises
     InputError for what cannot be kept, and where the scene refuses all points that are tried."""
-    made = [*quantity_variables(study), *([METHOD] if study.what == RUN else []), *ALWAYS]
+    made = [*quantity_variables(study), *([METHOD] if study.analysis == RUN else []), *ALWAYS]
     names = [variable.name for variable in made]
     for at, name in enumerate(names):
         if name in names[:at]:
@@ -66,7 +66,7 @@ def variables(study: Specification) -> list[StudyVariable]:
 
 def quantity_variables(study: Specification) -> list[StudyVariable]:
     """Return the variables of the quantities in `keep`, without those of every study."""
-    if study.what == RUN:
+    if study.analysis == RUN:
         return [variable for one in run_quantities(study) for variable in one.variables]
     return [variable_of(study, one) for one in analysis_rows(study)]
 
@@ -83,7 +83,7 @@ def run_quantities(study: Specification) -> tuple[RunMeasure, ...]:
 @lru_cache(maxsize=8)
 def _run_quantities(study: Specification, functions: tuple[int, ...]) -> tuple[RunMeasure, ...]:
     if study.options:
-        raise InputError("compute.options", study.options, f"absent: what = {RUN!r} has none")
+        raise InputError("compute.options", study.options, f"absent: analysis = {RUN!r} has none")
     if not study.keep:
         raise InputError("compute.keep", [], "what is kept of every run, such as last(tip_x)")
     scene = study.scene_at(reference_point(study))
@@ -138,7 +138,7 @@ def _parse_section(
     if number in SUMMED or numbers.places[number][0].startswith("work_"):
         allowed = "a section of what the states tell: work and balance are known at samples alone"
         raise InputError(place, text, allowed)
-    where, most = named.pop("where", ""), named.pop("most", str(MOST_POINTS))
+    where, most = named.pop("where", ""), named.pop("max_points", str(MOST_POINTS))
     known = [
         *watchable_names(scene.boundary_condition, scene.rod.links),
         *((name, range(1)) for name in scene.states),
@@ -151,10 +151,10 @@ def _parse_section(
     ((direction, level),) = named.items()
     points = _parse_number(place, text, most)
     if not (points.is_integer() and 0 < points <= LIMIT):
-        raise InputError(place, text, f"with most= a whole number from 1 to {LIMIT}")
+        raise InputError(place, text, f"with max_points= a whole number from 1 to {LIMIT}")
     value, units = _parse_number(place, text, level), unit_of(number, numbers)
     crossed: dict[str, Any] = {"where": where, "level": value, "direction": direction}
-    return CrossingSection(text, number, units, **span, **crossed, most=int(points))
+    return CrossingSection(text, number, units, **span, **crossed, max_points=int(points))
 
 
 def _number_sections(made: Sequence[RunMeasure]) -> list[RunMeasure]:
@@ -163,9 +163,9 @@ def _number_sections(made: Sequence[RunMeasure]) -> list[RunMeasure]:
     numbered: list[RunMeasure] = []
     for at, one in enumerate(made):
         if isinstance(one, CrossingSection):
-            if one.most not in lengths:
-                lengths.append(one.most)
-            number = lengths.index(one.most)
+            if one.max_points not in lengths:
+                lengths.append(one.max_points)
+            number = lengths.index(one.max_points)
             dim = f"crossing_{number + 1}" if number else "crossing"
             one = replace(one, event=f"section {at} of the study", dim=dim)
         numbered.append(one)
@@ -259,7 +259,7 @@ class KeptRow:
 @lru_cache(maxsize=8)
 def analysis_rows(study: Specification) -> tuple[KeptRow, ...]:
     """Return the rows that are kept of every point of an analysis. Raises InputError."""
-    rows = rows_of(study.what)
+    rows = rows_of(study.analysis)
     _check_options(study)
     texts = study.keep or tuple(name for name, row in rows.items() if row.kept and row.kept.usual)
     return tuple(_parse_row(f"compute.keep[{at}]", text, rows) for at, text in enumerate(texts))
@@ -286,7 +286,7 @@ def variable_of(study: Specification, one: KeptRow) -> StudyVariable:
     row, kept = one.row, one.row.kept
     assert kept is not None
     load = study.options.get("load")
-    units = row.unit.format(unit=unit_in(study.what, study.system, load))
+    units = row.unit.format(unit=unit_in(study.analysis, study.system, load))
     how = kept.dtype, units, kept.fill, row.words
     if not kept.several:
         return StudyVariable(one.text, (), (), *how)
@@ -299,7 +299,7 @@ def variable_of(study: Specification, one: KeptRow) -> StudyVariable:
 def _check_options(study: Specification) -> None:
     """Raise InputError for options that the analysis does not have; it checks their values at every
     point itself."""
-    allowed = list(inspect.signature(function_of(study.what)).parameters)[1:]
+    allowed = list(inspect.signature(function_of(study.analysis)).parameters)[1:]
     for name in study.options:
         if name not in allowed or name == "count":
             known = ", ".join(one for one in allowed if one != "count")

@@ -101,19 +101,19 @@ class EventCount(RunMeasure):
 @dataclass(frozen=True)
 class CrossingSection(RunMeasure):
     """Section of a run: a number and the times [s] at the crossings of a level by another number,
-    the first `most` of those between two times [s]."""
+    the first `max_points` of those between two times [s]."""
 
     where: str = field(kw_only=True)
     level: float = field(kw_only=True)
     direction: str = field(kw_only=True)
     event: str = ""
-    most: int = MOST_POINTS
+    max_points: int = MOST_POINTS
     dim: str = "crossing"
 
     @property
     def variables(self) -> tuple[StudyVariable, ...]:
         """The variables of the values and of the times."""
-        beyond = (self.dim,), (self.most,)
+        beyond = (self.dim,), (self.max_points,)
         return (
             StudyVariable(self.text, *beyond, units=self.units),
             StudyVariable(f"{self.text}.t", *beyond, units="s"),
@@ -128,12 +128,12 @@ class CrossingSection(RunMeasure):
     def compute(self, solution: Solution, places: Numbers) -> dict[str, Any]:
         """Compute it for one run, by the names of its variables."""
         met = [e for e in solution.events if e.name == self.event and self.start <= e.t <= self.end]
-        met = met[: self.most]
-        made = {name: np.full(self.most, math.nan) for name in (self.text, f"{self.text}.t")}
+        met = met[: self.max_points]
+        made = {name: np.full(self.max_points, math.nan) for name in (self.text, f"{self.text}.t")}
         if met:
             t, y = np.array([one.t for one in met]), np.array([one.y for one in met])
             system = solution.system
-            there = MotionSlice(solution.model, system.p, y, t, timed=system.time_laws)
+            there = MotionSlice(solution.model, system.p, y, t, timed=system.time_dependent_loads)
             made[self.text][: len(met)] = places.values(there, self.number)
             made[f"{self.text}.t"][: len(met)] = t
         return made
@@ -143,7 +143,7 @@ class CrossingSection(RunMeasure):
         alone = equations.can_observe(self.number)
         numbers = (self.number,) if alone else tuple(equations.model.STATE)
         counted = replace(event_crossing(event), start=self.start, end=self.end)
-        return replace(counted, kept=numbers, most=self.most)
+        return replace(counted, kept=numbers, most=self.max_points)
 
     def compute_many(
         self, crossed: CrossingResults, equations: ModuleFacts, p: Array
@@ -153,11 +153,11 @@ class CrossingSection(RunMeasure):
             return {self.text: crossed.values[..., 0], f"{self.text}.t": crossed.t}
         made = np.full(crossed.t.shape, math.nan)
         for run in np.flatnonzero(crossed.counts):
-            met = slice(min(int(crossed.counts[run]), self.most))
+            met = slice(min(int(crossed.counts[run]), self.max_points))
             states, t, timed = (
                 crossed.values[run, met],
                 crossed.t[run, met],
-                equations.time_laws(p[run]),
+                equations.time_dependent_loads(p[run]),
             )
             there = MotionSlice(equations.model, p[run], states, t, timed=timed)
             made[run, met] = equations.numbers.values(there, self.number)

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from rodgen.arrays import Array
 from rodgen.errors import InputError
-from rodgen.integrate.diagnosis import doubt_counts
+from rodgen.integrate.diagnosis import count_doubts
 from rodgen.integrate.methods.method_choice import choose, choose_from
 from rodgen.integrate.module_facts import ModuleFacts, facts_of
 from rodgen.integrate.reductions import Crossing
@@ -142,7 +142,7 @@ def _run_batch(study: Study, batch: _Batch, points: list[Point], made: PointArra
             values |= one.compute_many(found.crossed[number], equations, p[few])
         for number, peak in enumerate(peaks):
             values |= peak.compute_many(found, number)
-        doubts = doubt_counts(batch.system, model, p[few], y[few])
+        doubts = count_doubts(batch.system, model, p[few], y[few])
         made.set_points(at, values, found.energy_error, found.status, found.message, doubts)
         shares = np.maximum(found.nfev, 1)
         made.arrays["seconds"][at] += (time.process_time() - start) * shares / shares.sum()

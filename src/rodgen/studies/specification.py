@@ -27,7 +27,7 @@ class Specification:
     scene: dict[str, Any]
     axes: tuple[Axis, ...]
     sample: Sample | None = None
-    what: str = "run"
+    analysis: str = "run"
     keep: tuple[Kept, ...] = ()
     options: dict[str, Any] = field(default_factory=dict)
     time_limit: float | None = None
@@ -100,7 +100,7 @@ class Specification:
             "scene": self.scene,
             "vary": axes,
             "sample": sample,
-            "what": self.what,
+            "analysis": self.analysis,
             "keep": [_kept_text(one) for one in self.keep],
             "options": self.options,
             "time_limit": self.time_limit,

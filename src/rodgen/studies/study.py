@@ -12,14 +12,14 @@ from rodgen.result import Result, Row
 from rodgen.scene import Scene
 from rodgen.scene.plain_tables import STUDY, read_toml, to_plain
 from rodgen.scene.scene_files import read_table_files
+from rodgen.studies.analysis_results import ANALYSES
 from rodgen.studies.axis import Axis, Sample, read_axis
-from rodgen.studies.kept_quantities import variables
+from rodgen.studies.kept_quantities import RUN, variables
 from rodgen.studies.sampling import MOST_TRIED, reference_point
 from rodgen.studies.specification import Kept, Specification
 from rodgen.studies.time_limit import check_limit
 from rodgen.system import System
 
-WHAT = ("run", "critical", "modes", "static", "lyapunov", "floquet", "cycle")
 # Keys of a file by the tables that they stand in: what each is, and what holds without it; those of
 # a key that is varied and of a sample are fields of Range and Sample.
 KEYS = {
@@ -31,7 +31,7 @@ KEYS = {
         "compute": ("a table", "`run`"),
     },
     "compute": {
-        "what": ("what is computed of every point", "`run`"),
+        "analysis": ("what is computed of every point", "`run`"),
         "keep": ("a list of what is kept of it", "of a run required, else what is usual"),
         "options": ("a table of what the analysis takes besides", "absent"),
         "time_limit": ("seconds that a point may take", "no limit"),
@@ -44,8 +44,8 @@ class Study(Specification, Result):
     """A scene at many values of its keys. Its checks raise InputError before any computing.
 
     name: of the study and its store; scene: tables of the scene; axes: keys that are varied, in
-    order, with their values; sample: how points are drawn from them, None for a grid; what: the
-    analysis; keep: what is kept of every point, texts or functions; options: further arguments of
+    order, with their values; sample: how points are drawn from them, None for a grid; analysis:
+    its name; keep: what is kept of every point, texts or functions; options: further arguments of
     the analysis; time_limit: time that a point may take [s], or None.
 
     Two studies are equal if their ``digest`` is.
@@ -54,7 +54,7 @@ class Study(Specification, Result):
     --------
     >>> import rodgen
     >>> scene, vary = rodgen.Scene.example("ziegler"), {"loads.follower.force": [1.5, 3.0]}
-    >>> study = rodgen.Study.of(scene, vary, what="modes", keep=["stable"])
+    >>> study = rodgen.Study.of(scene, vary, analysis="modes", keep=["stable"])
     >>> study.count, study.shape, study.dims
     (2, (2,), ('loads.follower.force',))
     >>> study.scene_at({"loads.follower.force": 3.0}).loads.follower.force, len(study.digest)
@@ -63,7 +63,7 @@ class Study(Specification, Result):
 
     ROWS = (
         Row("name", "study"),
-        Row("what", "what is computed"),
+        Row("analysis", "what is computed"),
         Row("count", "points"),
         Row("keys", "key", along="axis", of=lambda study: [one.name for one in study.axes]),
         Row(
@@ -75,7 +75,7 @@ class Study(Specification, Result):
 
     def __repr__(self) -> str:
         points = " x ".join(map(str, self.shape))
-        return f"<Study {self.name}: {self.what} at {points} of {', '.join(self.dims)}>"
+        return f"<Study {self.name}: {self.analysis} at {points} of {', '.join(self.dims)}>"
 
     @classmethod
     def from_toml(cls, path: str | Path) -> Self:
@@ -96,7 +96,7 @@ class Study(Specification, Result):
             raise InputError("scene", given, "the path of a scene, or its tables")
         compute = table.get("compute", {})
         if not isinstance(compute, dict):
-            raise InputError("compute", compute, "a table {what, keep, options}")
+            raise InputError("compute", compute, "a table {analysis, keep, options}")
         _check_keys("compute", compute)
         others = {key: table[key] for key in ("name", "sample") if key in table}
         return cls.of(scene, table.get("vary", {}), **others, **compute)
@@ -107,7 +107,7 @@ class Study(Specification, Result):
         system: System | Scene,
         vary: Mapping[str, Any],
         *,
-        what: str = "run",
+        analysis: str = "run",
         keep: Sequence[Kept] | Kept = (),
         sample: Mapping[str, Any] | None = None,
         options: Mapping[str, Any] | None = None,
@@ -117,7 +117,7 @@ class Study(Specification, Result):
         """Make a study of a scene.
 
         system: the scene; vary: for every key its values (a list, an array) or a table {bounds,
-        count, scale}, in SI units; what: the analysis; keep: what is kept of every point; sample:
+        count, scale}, in SI units; analysis: its name; keep: what is kept of every point; sample:
         {method, count, seed}, if points are drawn; options: further arguments of the analysis;
         time_limit: time that a point may take [s]; name: of the study, by default the scene's.
         """
@@ -129,9 +129,12 @@ class Study(Specification, Result):
         if not isinstance(vary, dict) or not vary:
             raise InputError("vary", vary, "a table of at least one key of the scene")
         axes = tuple(read_axis(str(key), table, drawn is not None) for key, table in vary.items())
-        if what not in WHAT:
+        kinds = (RUN, *ANALYSES)
+        if analysis not in kinds:
             raise InputError(
-                "compute.what", what, f"one of {', '.join(WHAT)}{did_you_mean(what, WHAT)}"
+                "compute.analysis",
+                analysis,
+                f"one of {', '.join(kinds)}{did_you_mean(analysis, kinds)}",
             )
         kept = (keep,) if isinstance(keep, str) or callable(keep) else tuple(keep)
         for at, one in enumerate(kept):
@@ -140,7 +143,7 @@ class Study(Specification, Result):
         chosen = to_plain(dict(options or {}), "compute.options")
         table = scene.to_dict()
         limit = check_limit(time_limit)
-        made = cls(name or scene.name, table, axes, drawn, what, kept, chosen, limit)
+        made = cls(name or scene.name, table, axes, drawn, analysis, kept, chosen, limit)
         made._check()
         return made
 

@@ -125,7 +125,7 @@ def evaluate(
     made = PointArrays(variables(study), len(points))
     given = [dict(point) for point in points]
     with np.errstate(all="ignore"):
-        (point_runs.compute if study.what == RUN else _analyse_points)(study, given, made)
+        (point_runs.compute if study.analysis == RUN else _analyse_points)(study, given, made)
     return made.arrays
 
 
@@ -138,7 +138,7 @@ def _analyse_points(study: Study, points: list[Point], made: PointArrays) -> Non
         try:
             system = study.system_at(point)
             with time_limit(study.time_limit, system):
-                result = analyse(study.what, system, study.options, count)
+                result = analyse(study.analysis, system, study.options, count)
             made.set_point(
                 at,
                 {one.text: kept_value(one.row, result, one.count) for one in asked},

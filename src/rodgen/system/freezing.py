@@ -39,7 +39,7 @@ def freeze(scene: Scene, t: float) -> Scene:
     start of the span. Raises InputError for a load that is not finite then.
     """
     changes: dict[str, Any] = {
-        scene.key_of(name): float(e(t)) for name, e in scene.time_laws.items()
+        scene.key_of(name): float(e(t)) for name, e in scene.time_dependent_loads.items()
     }
     for field, value in changes.items():
         if not np.isfinite(value):

@@ -238,7 +238,7 @@ class ParameterMap:
     def _literal_slot(self, keys: tuple[str, ...], at: int) -> ParameterSlot | None:
         """Find the slot of a number in the text of a law without tables, by its place there."""
         scene, structure = self._scene, self._scene.structure
-        texts = {scene.key_path(name): (name, e) for name, e in scene.time_laws.items()}
+        texts = {scene.key_path(name): (name, e) for name, e in scene.time_dependent_loads.items()}
         texts |= {scene.key_path(name): (name, e) for name, e in scene.feedback_loads.items()}
         texts |= {
             ("states", name, "rate"): (f"{name}_rate", e) for name, e in scene.state_rates.items()

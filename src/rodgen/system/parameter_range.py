@@ -83,14 +83,14 @@ class ParameterRange:
         return [(self.at(middle + k * step).p, w) for k, w in zip(PLACES, weights, strict=True)]
 
     @property
-    def is_only_in_parameters(self) -> bool:
+    def affects_only_p(self) -> bool:
         """Whether the number affects p alone."""
         slot = self.system.parameter_map.slot(self.key)
         return slot is not None and not len(slot.y)
 
     @cached_property
     def _line(self) -> ParameterLine | None:
-        if not self.is_only_in_parameters:
+        if not self.affects_only_p:
             return None
         low, high = ((end, self.at(end).p) for end in self.bounds)
         return ParameterLine.through(low, high)

@@ -14,7 +14,7 @@ from rodgen.arrays import Array
 from rodgen.errors import InputError, check_type
 from rodgen.loading import build, build_fastest
 from rodgen.model.rod import Boundary
-from rodgen.native.library import build_environment
+from rodgen.native.library import library_environment
 from rodgen.result import Note, doubt
 from rodgen.scene import Scene, Structure
 from rodgen.scene.expression import Expression
@@ -31,8 +31,11 @@ SETTINGS = "integrate."
 # Cached properties: those that are scenes, and those of expressions in time.
 SCENES, LAWS = (
     ("scene", "source"),
-    ("_time_law_scene", "time_functions", "expressions", "time_laws"),
+    ("_time_law_scene", "time_laws", "expressions", "time_dependent_loads"),
 )
+
+
+PLAIN = ("structure", "settings", "p", "y0")  # of a system, as they are
 
 
 class System:
@@ -73,6 +76,7 @@ class System:
         """Set all attributes. source: the scene; base: the same with its loads at t, if given."""
         self._source, self._base, self.t = source, base, t
         self._changes: dict[str, Any] = {}
+        self._has_own_start = True  # that of a scene, not a state from elsewhere
         self._models: dict[Any, ModuleType] = {}
         self._map = ParameterMap(base, source)
         self.structure, self.settings = base.structure, base.integrate
@@ -105,8 +109,10 @@ class System:
 
     def __getstate__(self) -> dict[str, Any]:
         """State for pickling, without caches."""
-        kept = ("_source", "_base", "t", "_changes", "structure", "settings", "p", "y0")
-        return {name: self.__dict__[name] for name in kept}
+        own = ("_source", "_base", "_changes", "_has_own_start")
+        return {
+            name: self.__dict__[name] for name in (*own, "t", "structure", "settings", "p", "y0")
+        }
 
     def __setstate__(self, state: dict[str, Any]) -> None:
         for array in (state["p"], state["y0"]):
@@ -135,7 +141,8 @@ class System:
             Time in the span [s] whose loads and masses hold all along, by default that of the
             system.
         y0
-            State (states,) at the start in SI units, in the order of the module's STATE.
+            State (states,) at the start in SI units, in the order of the module's STATE. Unlike
+            angles of a scene, those of a state are not doubted to be radians.
         unused
             Whether numbers of [parameters] that no expression names may be among the changes.
 
@@ -308,9 +315,12 @@ class System:
             raise InputError("y0", y, allowed)
         values = initial_values(self._base, state.astype(float))
         if self.boundary_condition.translates and (self._base.supports or self._base.foundation):
-            return self._with_other_scene(values)  # which rest where the rod begins
-        changes = merge_changes(self._changes, values)
-        return self._copy(_changes=changes, y0=make_read_only(state.astype(float)))
+            made = self._with_other_scene(values)  # which rest where the rod begins
+        else:
+            y0, changes = make_read_only(state.astype(float)), merge_changes(self._changes, values)
+            made = self._copy(_changes=changes, y0=y0)
+        made._has_own_start = False
+        return made
 
     def value_of(self, key: str, field: str = "vary") -> Any:
         """The value of a key of the scene, None where it is left out.
@@ -336,9 +346,9 @@ class System:
         return self.source if self.t is None else freeze(self.source, self.t)
 
     @cached_property
-    def time_functions(self) -> TimeLaws:
+    def time_laws(self) -> TimeLaws:
         """Functions of time of the system, over the span."""
-        return self._time_law_scene.time_functions
+        return self._time_law_scene.time_laws
 
     @cached_property
     def expressions(self) -> dict[str, Expression]:
@@ -346,9 +356,9 @@ class System:
         return self._time_law_scene.expressions
 
     @cached_property
-    def time_laws(self) -> dict[str, Expression]:
+    def time_dependent_loads(self) -> dict[str, Expression]:
         """Parameters that change with time alone, by name."""
-        return self._time_law_scene.time_laws
+        return self._time_law_scene.time_dependent_loads
 
     @cached_property
     def _time_law_scene(self) -> Scene:
@@ -366,8 +376,11 @@ class System:
     def doubts(self) -> tuple[Note, ...]:
         """Doubts about its numbers: unused names, and angles that look like degrees."""
         unused = (doubt(words) for words in self.unused_names)
+        doubts = (*unused, *angle_doubts(self.structure, self.p, self.key_of))
+        if not self._has_own_start:
+            return doubts
         start = initial_angle_doubts(self.structure, self.y0, lambda: self.scene.initial.phi)
-        return (*unused, *angle_doubts(self.structure, self.p, self.key_of), *start)
+        return (*doubts, *start)
 
     @property
     def name(self) -> str:
@@ -415,7 +428,7 @@ class System:
         target: "c" or "numpy", by default C where it can be built; parts: what is made at once.
         Raises InputError and BuildError.
         """
-        key = target, tuple(parts), build_environment()
+        key = target, tuple(parts), library_environment()
         if key not in self._models:
             made = build_fastest(self.structure, parts) if target is None else None
             self._models[key] = made or build(self.structure, target or "", parts=parts)

@@ -67,7 +67,7 @@ def runs(times: Times, count: int, span: float) -> None:
 def critical(times: Times, count: int, size: int) -> None:
     """Critical forces over damping and mass, beside what a point of a whole map may take."""
     vary = {TIME: np.geomspace(1e-3, 3.0, size), MASS: np.linspace(10.0, 40.0, size)}
-    study = Study.of(rodgen.Scene.from_dict(BECK), vary, what="critical")
+    study = Study.of(rodgen.Scene.from_dict(BECK), vary, analysis="critical")
     some = np.random.default_rng(1).choice(study.count, count, replace=False).tolist()
     computed(study, some[:2])
     taken = best(1, lambda: computed(study, some)) / count
@@ -79,7 +79,7 @@ def border(times: Times, size: int) -> None:
     """The border of a map of stability, beside the whole map (from some of its points)."""
     vary = {FORCE: np.linspace(30.0, 130.0, size), TIME: np.geomspace(1e-3, 3.0, size)}
     of = rodgen.Scene.from_dict(BECK)
-    study = Study.of(of, vary, what="modes", keep=["stable"])
+    study = Study.of(of, vary, analysis="modes", keep=["stable"])
     some = np.random.default_rng(1).choice(study.count, min(400, study.count), replace=False)
     computed(study, some[:2].tolist())
     point = best(1, lambda: computed(study, some.tolist())) / len(some)

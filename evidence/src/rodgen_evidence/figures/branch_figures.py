@@ -27,7 +27,7 @@ def column(scenes: Path) -> Figure:
     """Euler's column: the straight branch, and those that leave it in both of its branch points."""
     scene = rodgen.Scene.from_toml(scenes / "euler_column.toml")
     ends = (0.0, -30.0)
-    every = [rodgen.continue_equilibria(scene, LOAD, ends, switch=at) for at in (None, 1, 2)]
+    every = [rodgen.continue_equilibria(scene, LOAD, ends, branch_point=at) for at in (None, 1, 2)]
     return bifurcation_diagram(every, scene)
 
 

@@ -23,7 +23,7 @@ from rodgen.progress import report_stage
 from rodgen.scene import Scene
 from rodgen.system import System
 
-STEPS = StepControl(first=0.01, longest=0.05, most=400)
+STEPS = StepControl(first=0.01, longest=0.05, max_points=400)
 MOST_BRANCHES = 24
 MOST = 12  # found by deflation: a chain of n links hangs in 2^n ways
 ITERATIONS = 30  # of Newton's method with deflation

@@ -54,16 +54,16 @@ def continue_equilibria(
     bounds: tuple[float, float],
     *,
     start: float | None = None,
-    switch: int | None = None,
+    branch_point: int | None = None,
     resume: xarray.Dataset | None = None,
-    at: int = -1,
+    point: int = -1,
     imperfection: float | None = None,
     motion: str | None = None,
     step: float = STEP,
-    most: int = MOST,
+    max_points: int = MOST,
     t: float | None = None,
     check_mesh: bool = False,
-    watch: Callable[[float], None] = lambda value: None,
+    callback: Callable[[float], None] = lambda value: None,
 ) -> xarray.Dataset:
     """Follow a branch of equilibria, or of steady motions, while one number of a scene changes.
 
@@ -79,10 +79,10 @@ def continue_equilibria(
         First and last value of the number, in SI units.
     start
         A value within the range, in SI units. The branch begins there and is followed both ways.
-    switch
+    branch_point
         Number of a branch point, from 1. The other branch through it is followed, both ways.
-    resume, at
-        An earlier branch of the same scene and key, which is continued from its point ``at``.
+    resume, point
+        An earlier branch of the same scene and key, continued from its point of this number.
     imperfection
         Begin with the bent equilibrium that `static_equilibrium` finds with this imperfection
         [rad].
@@ -93,14 +93,14 @@ def continue_equilibria(
     step
         Length of the longest step: a share of the range (dimensionless), and the root mean square
         of all angles [rad].
-    most
+    max_points
         Largest number of points.
     t
         Time whose loads are taken [s].
     check_mesh
         Also follow the branch of twice as many links, and say in the notes what changes by more
         than 1 %.
-    watch
+    callback
         A function that is called with every value, in SI units.
 
     Returns
@@ -135,36 +135,40 @@ def continue_equilibria(
     if check_mesh:
         if resume is not None:
             raise InputError("check_mesh", True, "absent beside resume")
-        given: dict[str, Any] = {"start": start, "switch": switch, "imperfection": imperfection}
-        given |= {"motion": motion, "step": step, "most": most, "t": t}
+        given: dict[str, Any] = {
+            "start": start,
+            "branch_point": branch_point,
+            "imperfection": imperfection,
+        }
+        given |= {"motion": motion, "step": step, "max_points": max_points, "t": t}
         finer = double_links(scene, key)
-        found = continue_equilibria(system, key, bounds, **given, watch=watch)
+        found = continue_equilibria(system, key, bounds, **given, callback=callback)
         return add_mesh_doubts(
             found, scene.rod.links, lambda: continue_equilibria(finer, key, bounds, **given)
         )
     low, high = bounds = check_bounds(bounds)
     begin = low if start is None else check_inside(start, "start", bounds)
-    before = None if resume is None else read_point(resume, scene, key, at)
+    before = None if resume is None else read_point(resume, scene, key, point)
     if before is not None:
         begin = before.values[0]
-    steps = StepControl.of(step, most, 4)
+    steps = StepControl.of(step, max_points, 4)
     problem = _make_problem(system, key, bounds, begin, imperfection, motion, before, t)
     first = problem.start
 
-    def on_point(point: CurvePoint) -> None:
-        watch(problem.value(point.u))
+    def on_point(at: CurvePoint) -> None:
+        callback(problem.value(at.u))
 
     def follow_branch(problem: Equilibria) -> Curve:
         scaled = problem.scale(min(low, high)), problem.scale(max(low, high))
         if before is not None:
-            point = _resume_point(problem, before)
-            return continue_curve(problem, point, *scaled, steps, watch=on_point)
+            saved = _resume_point(problem, before)
+            return continue_curve(problem, saved, *scaled, steps, callback=on_point)
         u = problem.pack(first, begin)
         onward = float(np.sign(high - low))
 
         def follow(way: float) -> Curve:
             return continue_curve(
-                problem, problem.first_point(u, way * onward), *scaled, steps, watch=on_point
+                problem, problem.first_point(u, way * onward), *scaled, steps, callback=on_point
             )
 
         return follow(1.0) if start is None or begin in (low, high) else follow_both_ways(follow)
@@ -177,15 +181,17 @@ def continue_equilibria(
             problem.drop_stability(DOUBTED)
             curve = follow_branch(problem)
     entered = 0
-    if switch is not None and not curve.interrupted:
-        entered = switch
-        problem, special = _prepare_switch(problem, curve, select_special(curve.special, switch))
+    if branch_point is not None and not curve.interrupted:
+        entered = branch_point
+        problem, special = _prepare_switch(
+            problem, curve, select_special(curve.special, branch_point)
+        )
         scaled = problem.scale(min(low, high)), problem.scale(max(low, high))
         curve = switch_branch(problem, special, scaled, steps, on_point)
 
     def whole_dataset() -> xarray.Dataset:
         found = dataset(scene, key, problem, curve, entered)
-        return found if resume is None else extend(resume, at, found)
+        return found if resume is None else extend(resume, point, found)
 
     return make_dataset(curve, whole_dataset)
 

@@ -74,7 +74,7 @@ def dataset(
         rates = [problem.steady_state(point.u).y for point in curve.points]
         at = len(rates[0]) // 2 + base.n_base
         values["turning"] = np.array([float(y[at]) for y in rates])
-    said = {"key": key, "switch": number, "moving": int(moving)}
+    said = {"key": key, "branch_point": number, "moving": int(moving)}
     return FORMAT.dataset(scene, replace(curve, notes=notes), base.t, values, said, key=key)
 
 

@@ -20,7 +20,7 @@ NEUTRAL = 1e-9  # of the stiffness: none
 SMALL = 90  # unknowns up to which full matrices take less time than sparse ones
 
 
-class ChainEquilibria(Equilibria):
+class HeldRodEquilibria(Equilibria):
     """Equilibria of a rod whose joint 0 is held, without feedback or added states, in O(n). Unknown
     are its angles and the forces in its joints."""
 
@@ -150,11 +150,13 @@ def equilibrium_problem(along: RodRange, start: SteadyState, all_modes: bool = F
     rod = start.rod
     if rod.n_base and not (rod.has_supports or rod.has_feedback):
         return StraightFlight(along, start, all_modes)
-    if rod.is_chain and all(_turns_freely(along, start, end) for end in along.numbers.bounds):
+    if rod.has_joint_force_unknowns and all(
+        _turns_freely(along, start, end) for end in along.numbers.bounds
+    ):
         return StraightFlight(along, start, all_modes)
     if rod.n_base or rod.has_feedback:
         return RodEquilibria(along, start, all_modes)
-    return ChainEquilibria(along, start, all_modes)
+    return HeldRodEquilibria(along, start, all_modes)
 
 
 def _turns_freely(along: RodRange, start: SteadyState, value: float) -> bool:

@@ -72,11 +72,11 @@ def stability_boundary(
     *,
     bounds: tuple[Ends | None, Ends | None] = (None, None),
     step: float = STEP,
-    most: int = MOST,
+    max_points: int = MOST,
     t: float | None = None,
     resume: xarray.Dataset | None = None,
-    at: int = -1,
-    watch: Callable[[tuple[float, float, float]], None] = lambda point: None,
+    point: int = -1,
+    callback: Callable[[tuple[float, float, float]], None] = lambda at: None,
 ) -> xarray.Dataset:
     """Follow the curve on which flutter or divergence begins, in the plane of two numbers.
 
@@ -101,13 +101,13 @@ def stability_boundary(
     step
         Length of the longest step, dimensionless. In steps of 1 the linearised equations change by
         their own size.
-    most
+    max_points
         Largest number of points to either side.
     t
         Time whose loads are taken [s].
-    resume, at
-        An earlier boundary of the same scene and numbers, which is continued from its point ``at``.
-    watch
+    resume, point
+        An earlier boundary of the same scene and keys, continued from its point of this number.
+    callback
         A function that is called with every point: both numbers in SI units, and the frequency
         [Hz].
 
@@ -160,7 +160,7 @@ def stability_boundary(
     begin = np.where([one.damping and not x for one, x in zip(scales, own, strict=True)], 1.0, 0.0)
     begin = own + begin * [one.unit for one in scales]
     limits = [_coordinate_bounds(one, given) for one, given in zip(scales, bounds, strict=True)]
-    rows = [] if resume is None else _read_points(resume, scene, keys, at)
+    rows = [] if resume is None else _read_points(resume, scene, keys, point)
     places = [(row[:2][::-1] if flipped else row[:2]) for row in rows]
     if rows:
         begin, omega = np.array(places[0]), 2 * np.pi * rows[0][2]
@@ -184,7 +184,7 @@ def stability_boundary(
         damped = bool(resume.attrs["damped"])
     boundary = BoundaryProblem(plane, (scales[0], scales[1]), omega, damped)
     _check_start(boundary, begin, limits)
-    outline = OutlineTracer(limits, StepControl.of(step, most, 4), watch)
+    outline = OutlineTracer(limits, StepControl.of(step, max_points, 4), callback)
     if rows:
         points = [
             boundary.pack(2 * np.pi * (row[2] or rows[0][2]), *place)
@@ -196,7 +196,7 @@ def stability_boundary(
 
     def whole_dataset() -> xarray.Dataset:
         made = _dataset(scene, boundary, curve, flipped, plane.base.t)
-        return made if resume is None else extend(resume, at, made)
+        return made if resume is None else extend(resume, point, made)
 
     return make_dataset(curve, whole_dataset)
 

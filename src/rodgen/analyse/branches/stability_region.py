@@ -26,7 +26,7 @@ from rodgen.arrays import Array
 from rodgen.errors import AnalysisError
 
 Ends = tuple[float, float]
-Watch = Callable[[tuple[float, float, float]], None]
+Callback = Callable[[tuple[float, float, float]], None]
 SLOW = -14.0  # logarithm of a frequency over that of the start, which is none
 LIMIT = 1e-10  # of the units, a step: nothing changes any more
 GROWS, ROUNDED = 1e-6, 1e-9  # of the modulus, and of the largest: less growth may be rounding
@@ -43,11 +43,11 @@ CORNER, SLOWEST, CUSP = "corner", "zero frequency", "cusp"
 
 @dataclass(frozen=True)
 class OutlineTracer:
-    """Tracer of an outline. limits: bounds of both coordinates; watch: called with every point."""
+    """Tracer of an outline. limits: bounds of both coordinates; callback: called at every point."""
 
     limits: list[Ends]
     steps: StepControl
-    watch: Watch
+    callback: Callback
 
     def trace(self, boundary: BoundaryProblem, omega: float, a: float, b: float) -> Curve:
         """Follow the outline to both sides of a point."""
@@ -105,7 +105,7 @@ class OutlineTracer:
         before, count = first.u, 0
 
         def on_point(point: CurvePoint) -> None:
-            self.watch(boundary.values(point.u))
+            self.callback(boundary.values(point.u))
 
         def stop_reason(curve: Curve) -> str:
             nonlocal before, count
@@ -123,7 +123,7 @@ class OutlineTracer:
             return ""
 
         side = continue_curve(
-            boundary, first, least, largest, self.steps, watch=on_point, until=stop_reason
+            boundary, first, least, largest, self.steps, callback=on_point, until=stop_reason
         )
         if not side.interrupted and has_other_growth(boundary, side.points[-1].u):
             side.end = UNSTABLE  # since they were looked at

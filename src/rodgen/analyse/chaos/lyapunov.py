@@ -412,6 +412,6 @@ def _limitations(scene: Scene) -> list[str]:
     method, notes = scene.integrate.method, list[str]()
     if method not in (*METHODS, AUTO):
         notes.append(f"by dop853: {method} takes no tangents along")
-    if scene.time_functions.switches():
+    if scene.time_laws.switches():
         notes.append("a law switches as it follows the motion: where it jumps, tangents do not")
     return notes

@@ -100,7 +100,7 @@ def poincare_section(
     met = [one for one in run.events if one.name == CROSSING and one.t >= start]
     t = np.array([one.t for one in met])
     y = np.array([one.y for one in met]).reshape(len(met), run.y.shape[1])
-    piece = MotionSlice(run.model, run.system.p, y, t, timed=run.system.time_laws)
+    piece = MotionSlice(run.model, run.system.p, y, t, timed=run.system.time_dependent_loads)
     data = {
         "t": ("crossing", t, {"units": "s"}),
         "phi": (("crossing", "link"), piece.values("phi"), {"units": "rad"}),

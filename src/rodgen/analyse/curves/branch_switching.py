@@ -18,16 +18,18 @@ from rodgen.errors import InputError
 
 
 def select_special(
-    found: Sequence[SpecialPoint], switch: object, kinds: Collection[str] = (BRANCH,)
+    found: Sequence[SpecialPoint], number: object, kinds: Collection[str] = (BRANCH,)
 ) -> SpecialPoint:
     """Select a special point of these kinds by its number, from 1. Raises InputError."""
     count = len(found)
     what = f"the number of a special point of the branch, 1 to {count}"
     what = what if count else "absent: no special point was found"
-    special = found[check_whole_number(switch, "switch", 1, count, what) - 1]
+    special = found[check_whole_number(number, "branch_point", 1, count, what) - 1]
     if special.kind not in kinds:
         names = ", ".join(f"{at}: {one.kind}" for at, one in enumerate(found, 1))
-        raise InputError("switch", switch, f"a {' or '.join(kinds)} point (there are {names})")
+        raise InputError(
+            "branch_point", number, f"a {' or '.join(kinds)} point (there are {names})"
+        )
     return special
 
 
@@ -36,7 +38,7 @@ def switch_branch(
     special: SpecialPoint,
     bounds: tuple[float, float],
     steps: StepControl,
-    watch: Callable[[CurvePoint], None] = lambda point: None,
+    callback: Callable[[CurvePoint], None] = lambda point: None,
 ) -> Curve:
     """Follow the other branch through a branch point, both ways, until it leaves the range."""
     assert special.ways is not None
@@ -44,7 +46,7 @@ def switch_branch(
 
     def follow(way: float) -> Curve:
         start = CurvePoint(special.u, way * other, None, 0)
-        return continue_curve(problem, start, *bounds, steps, watch=watch)
+        return continue_curve(problem, start, *bounds, steps, callback=callback)
 
     curve = follow_both_ways(follow)
     (*_, at) = (number for number, point in enumerate(curve.points) if point.u is special.u)

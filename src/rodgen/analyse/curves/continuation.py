@@ -43,20 +43,20 @@ OFF = 1e-6  # by which the point of a file may be corrected
 
 @dataclass(frozen=True)
 class StepControl:
-    """First, least and longest step along a curve, and the largest number of points (most)."""
+    """First, least and longest step along a curve, and the largest number of its points."""
 
     first: float = 0.02
     least: float = 1e-9
     longest: float = 0.1
-    most: int = 2000
+    max_points: int = 2000
 
     @classmethod
-    def of(cls, step: float, most: int, parts: int, least: float = 1e-9) -> StepControl:
+    def of(cls, step: float, max_points: int, parts: int, least: float = 1e-9) -> StepControl:
         """Check the longest step and the largest number of points that a user gives. The first step
         is the longest over `parts`. Raises InputError."""
         step = check_positive(step, "step", "a number above 0 and at most 1", 1.0)
-        most = check_whole_number(most, "most", 2)
-        return cls(first=step / parts, least=least, longest=step, most=most)
+        max_points = check_whole_number(max_points, "max_points", 2)
+        return cls(first=step / parts, least=least, longest=step, max_points=max_points)
 
 
 def start_point(problem: ContinuationProblem, u: Array, way: float = 1.0) -> CurvePoint:
@@ -97,18 +97,18 @@ def continue_curve(
     low: float,
     high: float,
     steps: StepControl | None = None,
-    watch: Callable[[CurvePoint], None] = lambda point: None,
+    callback: Callable[[CurvePoint], None] = lambda point: None,
     until: Callable[[Curve], str] = lambda curve: "",
 ) -> Curve:
     """Follow a curve from a point along its tangent, while the parameter is within low and high.
 
-    watch: called with every point; until: returns why the curve so far is complete, or nothing.
+    callback: called with every point; until: returns why the curve so far is complete, or nothing.
     A step is taken if the correction is short, the
     tangent turns little and the number of unstable directions changes as the special points on the
     way explain. Otherwise it is halved, so that the curve does not jump to another branch. ``end``
     says why the curve stops. What was found is kept, also on Ctrl-C.
     """
-    return _Follower(problem, steps or StepControl(), low, high, watch, until).follow(start)
+    return _Follower(problem, steps or StepControl(), low, high, callback, until).follow(start)
 
 
 class _Follower:
@@ -118,11 +118,11 @@ class _Follower:
         steps: StepControl,
         low: float,
         high: float,
-        watch: Callable[[CurvePoint], None],
+        callback: Callable[[CurvePoint], None],
         until: Callable[[Curve], str],
     ):
         self.problem, self.steps, self.low, self.high = problem, steps, low, high
-        self.watch, self.until = watch, until
+        self.callback, self.until = callback, until
         self.curve, self.why, self.before = Curve(), "", 0
 
     def follow(self, start: CurvePoint) -> Curve:
@@ -167,7 +167,7 @@ class _Follower:
 
     def _visit(self, point: CurvePoint) -> None:
         self.problem.adapt_to(point.u)
-        self.watch(point)
+        self.callback(point)
 
     def _advance(self, here: CurvePoint, h: float) -> Step | None:
         """Take a step of length h or a shorter one; None if the least one fails."""
@@ -194,8 +194,8 @@ class _Follower:
             curve.end, curve.complete = "the end of the range was reached", True
         elif why := self.until(curve):
             curve.end, curve.complete = why, True
-        elif len(curve.points) >= self.steps.most:
-            curve.end = f"{self.steps.most} points were computed"
+        elif len(curve.points) >= self.steps.max_points:
+            curve.end = f"{self.steps.max_points} points were computed"
         elif len(curve.points) > FEW and self._is_closed(point, start, h):
             curve.points.append(start)
             curve.end, curve.complete = "the branch closes in itself", True

@@ -122,7 +122,7 @@ def point_number(data: xarray.Dataset, at: object) -> int:
     none."""
     count = data.sizes["point"]
     allowed = f"the number of a point, 0 to {count - 1}"
-    return check_whole_number(at, "at", -count, count - 1, allowed) % count
+    return check_whole_number(at, "point", -count, count - 1, allowed) % count
 
 
 def make_dataset(curve: Curve, dataset: Callable[[], xarray.Dataset]) -> xarray.Dataset:

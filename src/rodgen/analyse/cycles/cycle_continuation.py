@@ -69,14 +69,14 @@ def continue_cycles(
     *,
     start: str | Cycle | xarray.Dataset = HOPF,
     resume: xarray.Dataset | None = None,
-    at: int = -1,
-    switch: int | None = None,
+    point: int = -1,
+    branch_point: int | None = None,
     segments: int = SEGMENTS,
     step: float = STEP,
-    most: int = MOST,
+    max_points: int = MOST,
     target: str | None = None,
     check_mesh: bool = False,
-    watch: Callable[[float], None] = lambda value: None,
+    callback: Callable[[float], None] = lambda value: None,
 ) -> xarray.Dataset:
     """Follow a branch of limit cycles, stable or not, while one number of a scene changes.
 
@@ -91,25 +91,25 @@ def continue_cycles(
     start
         Where the branch begins. "hopf": in the first Hopf point of the equilibria. "run": with
         the cycle on which the scene settles; the branch is then followed both ways. A `Cycle`:
-        with this cycle, both ways. A branch of `continue_equilibria`: in its Hopf point ``at``
-        (1 is the first special point).
-    resume, at
-        An earlier branch of the same scene and key, which is continued from its point ``at``.
-    switch
+        with this cycle, both ways. A branch of `continue_equilibria`: in its Hopf point
+        ``point`` (1 is the first special point).
+    resume, point
+        An earlier branch of the same scene and key, continued from its point of this number.
+    branch_point
         Number of a special point, from 1. The branch that begins there is followed instead: the
         other branch of a branch point, or the cycles of twice the period of a period doubling.
     segments
         Number of parts into which the period is cut, as in `find_cycle`.
     step
         Length of the longest step along the branch, dimensionless.
-    most
+    max_points
         Largest number of points, each way.
     target
         "c" or "numpy"; if not given, C where it can be built.
     check_mesh
         Also follow the branch of twice as many links from a Hopf point or a run, and say
         in the notes what changes by more than 1 %.
-    watch
+    callback
         A function that is called with every value, in SI units.
 
     Returns
@@ -149,27 +149,27 @@ def continue_cycles(
     if check_mesh:
         if resume is not None or not isinstance(start, str):
             raise InputError("check_mesh", True, "absent beside resume, and a start that is given")
-        given: dict[str, Any] = {"start": start, "switch": switch, "segments": segments}
-        given |= {"step": step, "most": most, "target": target}
+        given: dict[str, Any] = {"start": start, "branch_point": branch_point, "segments": segments}
+        given |= {"step": step, "max_points": max_points, "target": target}
         finer = double_links(scene, key)
-        found = continue_cycles(system, key, bounds, **given, watch=watch)
+        found = continue_cycles(system, key, bounds, **given, callback=callback)
         return add_mesh_doubts(
             found, scene.rod.links, lambda: continue_cycles(finer, key, bounds, **given)
         )
     bounds = check_bounds(bounds)
     count = check_segments(segments)
-    steps = StepControl.of(step, most, 10, LEAST)
+    steps = StepControl.of(step, max_points, 10, LEAST)
     search = CycleSearch.of(system, target)
     along = ParameterRange(search.system, key, bounds)
-    tracer = CycleTracer(search, along, count, steps, watch)
+    tracer = CycleTracer(search, along, count, steps, callback)
     if resume is not None:
-        branch = tracer.resume(read_cycles(resume, scene, key, at))
-        if switch is None:
-            return make_dataset(branch.curve, lambda: extend(resume, at, dataset(branch)))
+        branch = tracer.resume(read_cycles(resume, scene, key, point))
+        if branch_point is None:
+            return make_dataset(branch.curve, lambda: extend(resume, point, dataset(branch)))
     elif isinstance(start, str) and start == HOPF:
         branch = tracer.trace_from_hopf(*first_hopf(search, along))
     elif isinstance(start, xarray.Dataset):
-        branch = tracer.trace_from_hopf(*read_hopf(search, along, start, at))
+        branch = tracer.trace_from_hopf(*read_hopf(search, along, start, point))
     elif isinstance(start, str) and start != RUN:
         raise InputError("start", start, f"{HOPF!r}, {RUN!r}, a cycle, or a branch")
     else:
@@ -179,21 +179,21 @@ def continue_cycles(
         value = check_inside(own, key, bounds, ", to begin there")
         cycle = search.find_by_run() if isinstance(start, str) else start
         branch = tracer.trace_from_cycle(cycle, value)
-    if switch is not None and not branch.curve.interrupted:
-        branch = tracer.switch(branch, switch)
+    if branch_point is not None and not branch.curve.interrupted:
+        branch = tracer.switch(branch, branch_point)
     return make_dataset(branch.curve, lambda: dataset(branch))
 
 
 @dataclass(frozen=True)
 class CycleTracer:
-    """Tracer of branches of cycles along a number of a scene. segments: parts of the period; watch:
-    called with every value."""
+    """Tracer of branches of cycles along a number of a scene. segments: parts of the period;
+    callback: called with every value."""
 
     search: CycleSearch
     along: ParameterRange
     segments: int
     steps: StepControl
-    watch: Callable[[float], None]
+    callback: Callable[[float], None]
 
     def trace_from_hopf(self, hopf: HopfPoint, flow: Callable[[float], Flow]) -> CycleBranch:
         """Follow the branch that begins in a Hopf point; flow: at a value."""
@@ -254,29 +254,29 @@ class CycleTracer:
 
     def _trace(self, problem: CycleFamily, first: CurvePoint) -> Curve:
         low, high = sorted(end / self.along.unit for end in self.along.bounds)
-        return continue_curve(problem, first, low, high, self.steps, watch=self._on_point)
+        return continue_curve(problem, first, low, high, self.steps, callback=self._on_point)
 
     def _on_point(self, point: CurvePoint) -> None:
-        self.watch(point.value * self.along.unit)
+        self.callback(point.value * self.along.unit)
 
 
 def switch_cycles(
     problem: CycleFamily,
     found: list[SpecialPoint],
-    switch: object,
+    number: object,
     steps: StepControl,
-    watch: Callable[[CurvePoint], None],
+    callback: Callable[[CurvePoint], None],
 ) -> tuple[CycleFamily, Curve]:
     """Switch to the branch through a special point, by its number; returns the problem and the
-    curve. watch: called with every point. Raises InputError for a point of another kind,
+    curve. callback: called with every point. Raises InputError for a point of another kind,
     AnalysisError."""
-    special = select_special(found, switch, (BRANCH, PERIOD_DOUBLING))
+    special = select_special(found, number, (BRANCH, PERIOD_DOUBLING))
     low, high = sorted(end / problem.along.unit for end in problem.along.bounds)
     if special.kind == BRANCH:
-        return problem, switch_branch(problem, special, (low, high), steps, watch)
+        return problem, switch_branch(problem, special, (low, high), steps, callback)
     twice, u, way = _double_period(problem, special.u)
     # Both ways along it are the same cycles, half a period apart.
-    curve = continue_curve(twice, CurvePoint(u, way, None, 0), low, high, steps, watch=watch)
+    curve = continue_curve(twice, CurvePoint(u, way, None, 0), low, high, steps, callback=callback)
     return twice, insert_special(curve, 0, special._replace(u=u))
 
 

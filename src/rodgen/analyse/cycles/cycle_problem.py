@@ -67,7 +67,7 @@ class OrbitProblem(ContinuationProblem):
 
     def load_period(self, u: Array) -> float:
         """Period [s] of forced motions at u."""
-        raise NotImplementedError
+        raise NotImplementedError  # asked of forced motions alone, whose problem has it
 
     def adapt_to(self, u: Array) -> None:
         self.set_phase(self.shooting(u), self.orbit(u))

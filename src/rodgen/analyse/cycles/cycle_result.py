@@ -39,7 +39,7 @@ STABLE = 1e-7  # by which a multiplier may exceed 1: beyond it, a cycle is unsta
 UNSURE, UNSURE_DOUBLE = 1e-6, 1e-4
 ROUGH = 1e-8  # likewise, of the error of collocation
 SHOWN = 10  # multipliers in a table
-PICARD = "picard"  # which computes the leading multipliers alone
+PICARD = "newton_picard"  # which computes the leading multipliers alone
 
 
 @dataclass(frozen=True, repr=False)
@@ -55,8 +55,8 @@ class Cycle(Result, Plottable):
     all; angle: by which the rod as a whole is turned after a period [rad]; energy: of y0 [J];
     amplitude: the largest deviation of an angle from its mean [rad]; forced: whether the period is
     that of the loads, or a whole multiple of it; residual: how far the motion is from closing, over
-    its size, dimensionless; iterations: number of Newton's corrections; by: "collocation",
-    "shooting" or "picard"; error: of the period and the larger multipliers, relative,
+    its size, dimensionless; iterations: number of Newton's corrections; method: "collocation",
+    "shooting" or "newton_picard"; error: of the period and the larger multipliers, relative,
     dimensionless, from two meshes of collocation; after: length of the run that led to the cycle
     [s]; found_doubts: of the runs that led to it, and what changes with twice as many links, if
     that was asked for; model: the generated module, if it is there already; orbit: the mesh of the
@@ -83,7 +83,7 @@ class Cycle(Result, Plottable):
     forced: bool
     residual: float
     iterations: int
-    by: str
+    method: str
     error: float = 0.0
     after: float = 0.0
     found_doubts: tuple[Note, ...] = ()
@@ -116,7 +116,7 @@ class Cycle(Result, Plottable):
             text=omit_from_tables,
             kept=StudyStorage(False, "i8", -1),
         ),
-        Row("by", "found", text=lambda found: found._way),
+        Row("method", "found", text=lambda found: found._way),
         Row("t", "time of y0", "s", text=omit_from_tables),
         Row("y0", "a state on it", text=omit_from_tables),
     )
@@ -183,7 +183,9 @@ class Cycle(Result, Plottable):
             rows[f"multiplier {at + 1}"] = f"{mu.real:.8g}{sign}   (size {abs(mu):.8g})"
         left = len(self.nontrivial) - len(rows)
         further = f"{left}, smaller" if left else "none"
-        rows["further multipliers"] = "smaller, and not computed" if self.by == PICARD else further
+        rows["further multipliers"] = (
+            "smaller, and not computed" if self.method == PICARD else further
+        )
         return rows
 
     @property
@@ -195,7 +197,7 @@ class Cycle(Result, Plottable):
     @property
     def _way(self) -> str:
         way = f"after a run of {self.after:g} s, " if self.after else ""
-        way += f"by {self.by}, in {self.iterations} iterations of Newton's method"
+        way += f"by {self.method}, in {self.iterations} iterations of Newton's method"
         if not self.iterations:
             way = "on the family of a linear mode"
         return f"{way}; closes to {self.residual:.1e} of its size"

@@ -51,14 +51,14 @@ def check_segments(number: object, name: str = "segments") -> int:
 @dataclass(frozen=True)
 class CycleSearch:
     """Search for cycles of a system whose loads are constant, or repeat after a period (forced)
-    [s]; by, segments, leading: method, number of segments and of multipliers, as in `find_cycle`;
-    given: the scene that was asked for."""
+    [s]; method, segments, leading: method, segments and multipliers as in `find_cycle`; given: the
+    scene that was asked for."""
 
     system: System
     model: ModuleType
     forced: float
     given: Scene
-    by: str | None = None
+    method: str | None = None
     segments: int | None = None
     leading: int | None = None
 
@@ -129,13 +129,13 @@ class CycleSearch:
 
     def _choose_solver(self, flow: Flow) -> OrbitSolver[Any]:
         """Choose the method for the periodic motions of a flow."""
-        forced, by = bool(self.forced), self.by
-        if by is None and self.segments is None:
+        forced, method = bool(self.forced), self.method
+        if method is None and self.segments is None:
             large = flow.quotient.size > MOST_COLLOCATED
-            by = PICARD if large or self.leading is not None else COLLOCATION
-        if by == COLLOCATION:
+            method = PICARD if large or self.leading is not None else COLLOCATION
+        if method == COLLOCATION:
             return OrbitCollocation(flow, forced)
-        if by == PICARD:
+        if method == PICARD:
             return NewtonPicard(flow, forced, self.leading or LEADING)
         return Shooting(flow, forced, self.segments or SEGMENTS)
 
@@ -234,7 +234,7 @@ class CycleSearch:
             forced=bool(self.forced),
             residual=orbit.residual,
             iterations=orbit.iterations,
-            by=WAYS[type(closing)],
+            method=WAYS[type(closing)],
             error=orbit.error,
             model=self.model,
             orbit=orbit,

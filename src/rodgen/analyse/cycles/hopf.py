@@ -225,9 +225,9 @@ def read_hopf(
     kinds = data["special_kind"].values.tolist()
     names = ", ".join(f"{k}: {kind}" for k, kind in enumerate(kinds, 1)) or "none"
     allowed = f"the number of a Hopf point (special points are {names})"
-    number = check_whole_number(at, "at", 1, len(kinds), allowed)
+    number = check_whole_number(at, "point", 1, len(kinds), allowed)
     if kinds[number - 1] != HOPF:
-        raise InputError("at", at, allowed)
+        raise InputError("point", at, allowed)
     value, frequency = (float(data[f"special_{x}"][number - 1]) for x in ("value", "frequency"))
     before = int(data["special_after"][number - 1])
     y, force = data["y"].values[before], data["force"].values[before]

@@ -177,9 +177,9 @@ def _energy_above_rest(rest: _Rest, q: Complex) -> float:
     return float(moved - still)
 
 
-def _follow_family(family: ModeFamily, first: CurvePoint, step: float, most: int) -> Curve:
+def _follow_family(family: ModeFamily, first: CurvePoint, step: float, max_points: int) -> Curve:
     """Follow the family from its first motion up to the largest energy."""
-    steps = StepControl.of(step, most, 10, 1e-7)
+    steps = StepControl.of(step, max_points, 10, 1e-7)
     return continue_curve(family, first, 0.0, 1.0, steps)
 
 
@@ -191,7 +191,7 @@ def continue_mode(
     *,
     segments: int = SEGMENTS,
     step: float = STEP,
-    most: int = MOST,
+    max_points: int = MOST,
     target: str | None = None,
 ) -> xarray.Dataset:
     """Follow the periodic motions that begin with a linear mode of a scene without dissipation.
@@ -208,7 +208,7 @@ def continue_mode(
         Number of parts into which the period is cut, as in `find_cycle`.
     step
         Length of the longest step along the family, dimensionless.
-    most
+    max_points
         Largest number of points.
     target
         "c" or "numpy"; if not given, C where it can be built.
@@ -248,7 +248,7 @@ def continue_mode(
     """
     rest = _find_rest(System.of(system), target)
     family, first = _make_family(rest, mode, energy, check_segments(segments))
-    curve = _follow_family(family, first, step, most)
+    curve = _follow_family(family, first, step, max_points)
     return make_dataset(curve, lambda: _dataset(rest, family, curve, mode))
 
 

@@ -33,13 +33,13 @@ if TYPE_CHECKING:
 def find_cycle(
     system: System | Scene,
     *,
-    by: str | None = None,
+    method: str | None = None,
     segments: int | None = None,
     multipliers: int | None = None,
     y0: ArrayLike | None = None,
     period: float | None = None,
     start: xarray.Dataset | None = None,
-    at: int | None = None,
+    point: int | None = None,
     target: str | None = None,
     check_mesh: bool = False,
 ) -> Cycle:
@@ -57,22 +57,23 @@ def find_cycle(
     ----------
     system
         The scene, or a System.
-    by
+    method
         "collocation": on a mesh of the period, refined until nothing changes. "shooting": in equal
-        segments. "picard": Newton's method in the directions of the leading multipliers, Picard's
-        iteration for the rest. By default, the method to which ``segments`` or ``multipliers``
-        belong, else collocation up to 100 states that count, and "picard" beyond.
+        segments. "newton_picard": Newton's method in the directions of the leading multipliers,
+        Picard's iteration for the rest. By default, the method to which ``segments`` or
+        ``multipliers`` belong, else collocation up to 100 states that count, and
+        "newton_picard" beyond.
     segments
         Number of equal parts of the period, for "shooting".
     multipliers
-        Number of leading multipliers, for "picard". The default is 10.
+        Number of leading multipliers, for "newton_picard". The default is 10.
     y0, period
         A state (states,) near a cycle, stable or not, and its approximate period [s]. Newton's
         method then begins there, without a run.
-    start, at
-        A branch of `continue_cycles`: find the cycle of its point ``at`` again, at the value of
-        that point. Without ``at``, begin with the point whose value is nearest to the scene's own,
-        and find the cycle at this value.
+    start, point
+        A branch of `continue_cycles`: find the cycle of its point of this number again, at the
+        value of that point. Without ``point``, begin with the point whose value is nearest to the
+        scene's own, and find the cycle at this value.
     target
         "c" or "numpy"; if not given, C where it can be built.
     check_mesh
@@ -104,32 +105,34 @@ def find_cycle(
         if y0 is not None or start is not None:
             beside = "y0" if start is None else "start"
             raise InputError("check_mesh", True, f"absent beside {beside}")
-        given: dict[str, Any] = {"by": by, "segments": segments, "multipliers": multipliers}
+        given: dict[str, Any] = {"method": method, "segments": segments, "multipliers": multipliers}
         found_twice = partial(find_cycle, double_links(system.scene), **given, target=target)
         found = find_cycle(system, **given, target=target)
         return found.with_notes(cycle_doubts(found, system.structure.links, found_twice))
-    if by not in (None, *WAYS.values()):
-        raise InputError("by", by, " or ".join(map(repr, WAYS.values())))
+    if method not in (None, *WAYS.values()):
+        raise InputError("method", method, " or ".join(map(repr, WAYS.values())))
     for name, value, way in (
         ("segments", segments, SHOOTING),
         ("multipliers", multipliers, PICARD),
     ):
-        if value is not None and (by not in (None, way) or (segments and multipliers)):
-            raise InputError(name, value, f"given with by = {way!r} alone")
+        if value is not None and (method not in (None, way) or (segments and multipliers)):
+            raise InputError(name, value, f"given with method = {way!r} alone")
     segments = None if segments is None else check_segments(segments)
     multipliers = None if multipliers is None else check_segments(multipliers, "multipliers")
     if start is not None:
         if y0 is not None or period is not None:
             raise InputError("start", "a branch", "absent beside y0 and period")
         there, known = system_and_cycle_at(
-            start, nearest_point(start, system.scene) if at is None else at
+            start, nearest_point(start, system.scene) if point is None else point
         )
-        system = system if at is None else there
+        system = system if point is None else there
         y0, period = known.y0, known.period
-    elif at is not None:
-        raise InputError("at", at, "given with start, the branch whose point it is")
+    elif point is not None:
+        raise InputError("point", point, "given with start, the branch whose point it is")
     begun = _check_guess(system, y0, period)
-    search = replace(CycleSearch.of(system, target), by=by, segments=segments, leading=multipliers)
+    search = replace(
+        CycleSearch.of(system, target), method=method, segments=segments, leading=multipliers
+    )
     if begun is not None:
         return search.find_near(*begun)
     if search.is_conservative:

@@ -17,7 +17,7 @@ from rodgen.scene import Scene
 from rodgen.system import System
 
 
-def load(path: str | Path, most: int | None = None, *, strict: bool = True) -> Solution:
+def load(path: str | Path, max_samples: int | None = None, *, strict: bool = True) -> Solution:
     """Read a Solution from a NetCDF file that rodgen wrote.
 
     The run of a file that has not been ended counts as interrupted.
@@ -26,7 +26,7 @@ def load(path: str | Path, most: int | None = None, *, strict: bool = True) -> S
     ----------
     path
         The file.
-    most
+    max_samples
         Samples to be read, evenly spaced with the first and the last; all, if not given.
         `energy_error` is that of all.
     strict
@@ -59,19 +59,19 @@ def load(path: str | Path, most: int | None = None, *, strict: bool = True) -> S
     """
     with ResultFile(Path(path), strict) as file:
         records, good = file.samples()
-        solution = solution_of(file, records, good, most)
+        solution = solution_of(file, records, good, max_samples)
         warn_of_notes(file.notes)
     return solution
 
 
 def solution_of(
-    file: ResultFile, records: NDArray[Any], good: NDArray[np.intp], most: int | None = None
+    file: ResultFile, records: NDArray[Any], good: NDArray[np.intp], max_samples: int | None = None
 ) -> Solution:
     """Solution of the good records of a file, or of so many of them, evenly spaced."""
     with as_input_error(file.path):
         off = float(np.abs(records["energy_balance"])[good].max(initial=0.0))
-        if most is not None and len(good) > most:
-            kept = np.unique(np.linspace(0, len(good) - 1, most).round().astype(int))
+        if max_samples is not None and len(good) > max_samples:
+            kept = np.unique(np.linspace(0, len(good) - 1, max_samples).round().astype(int))
             good = good[kept]
         whole = len(good) == len(records)
         taken = records if whole else records[good]

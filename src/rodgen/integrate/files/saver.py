@@ -71,8 +71,8 @@ def write_checkpoint(
 
 
 def read_checkpoint(path: Path) -> tuple[dict[str, NDArray[Any]], dict[str, Number]]:
-    """Read the arrays and numbers that `write` was given; raises InputError for damaged and for
-    other files."""
+    """Read the arrays and numbers that `write_checkpoint` was given; raises InputError for damaged
+    and for other files."""
     try:
         stored = path.read_bytes()
     except OSError as error:

@@ -119,11 +119,11 @@ class CollocationStep:
             states += np.stack([part(x) for part in _PARTS], axis=1) @ self.corrections
         return states
 
-    def error_of_one(self) -> Array:
+    def error_by_one_step(self) -> Array:
         """Error estimate by this step alone, of order 4 in h."""
         return self.damp(self.start_defect) / MU
 
-    def error_of_two(self, last: CollocationStep) -> Array:
+    def error_by_two_steps(self, last: CollocationStep) -> Array:
         """Error estimate by this step and the last, of order 6 in h: the fourth derivative by the
         defects, less that by the third, which `trapezoid_error` gives."""
         ratio = self.h / last.h

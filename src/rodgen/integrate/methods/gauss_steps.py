@@ -136,7 +136,7 @@ class GaussStep(_Gauss):
         """Factor by which the step could have been longer for the tolerance. The error by two steps
         holds where the motion is smooth over both, that by one at every step, after a break too,
         and where the step is longer than the fastest motion."""
-        error = taken.error_of_one()
+        error = taken.error_by_one_step()
         one = self._error_norm(error, taken)
         if again and one > 1:
             more = self._stages.rates(taken.t, taken.y + error) - taken.rates[0]
@@ -144,7 +144,7 @@ class GaussStep(_Gauss):
         reach = _at_least_tiny(one) ** -0.25
         if self._taken is None:
             return float(reach)
-        two = TWO_STEPS.weight * self._error_norm(taken.error_of_two(self._taken), taken)
+        two = TWO_STEPS.weight * self._error_norm(taken.error_by_two_steps(self._taken), taken)
         by_two = _at_least_tiny(two) ** (-1 / TWO_STEPS.power)
         self._smooth = by_two > reach
         return float(max(reach, by_two))

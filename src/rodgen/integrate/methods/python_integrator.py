@@ -100,9 +100,9 @@ class PythonIntegrator:
         self._work.come += self._jumps.begin(self.t, self.y, end, low, high)
         self._window, self._longest = (low, high), longest
         self._switch = SwitchProgress(end, self.t)
-        self._step_to(end)
+        self._start_stepper(end)
 
-    def _step_to(self, end: float) -> None:
+    def _start_stepper(self, end: float) -> None:
         """Begin steps up to the end of the stretch, or to where a law of the motion switches."""
         self._finish_stretch()
         self._to, self._last, longest = end, None, self._longest
@@ -153,7 +153,7 @@ class PythonIntegrator:
                 if further == self.t:
                     self._switch.arrive(self.t)
                     further = self.end
-                self._step_to(min(further, self.end))
+                self._start_stepper(min(further, self.end))
                 return False
             if done or time.perf_counter() > until:
                 return done
@@ -205,7 +205,7 @@ class PythonIntegrator:
             when, sides = first
             if when < t1:
                 self._switch.head_for(sides)
-                self._step_to(when)
+                self._start_stepper(when)
                 return True
         self._last = t1, f1
         found = [crossing for crossing in found if not watch.is_switch(crossing[1])]

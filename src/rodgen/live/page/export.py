@@ -107,7 +107,7 @@ def _rod_props(scene: Scene) -> dict[str, Any]:
         "show": dict(SHOWN),
         "loads": arrows_of(scene.loads.terms),
         "view": first_view(scene),
-        "support": scene.boundary_condition.start_symbol,
+        "support": scene.boundary_condition.start_drawing,
         "label": description(scene),
         "rod": 1,
         "kick": False,

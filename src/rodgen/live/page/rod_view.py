@@ -90,7 +90,7 @@ class RodPanel:
         if view != self._first:  # what was chosen for a rod that flies is not for one that is held
             self._first = view
             self.view.set_value(view)
-        support, terms = scene.boundary_condition.start_symbol, scene.loads.terms
+        support, terms = scene.boundary_condition.start_drawing, scene.loads.terms
         self.canvas.show_rod(self._taken, support, description(scene), terms)
         for name, switch in self.switches.items():
             term = LAYERS[name].term

@@ -81,9 +81,9 @@ def _draw_supports(scene: Scene, line: Points, placed: object) -> Iterator[str]:
         yield _line(placed(scene.anchors.foundation_line), BED, 9)
     along = _unit_vector(line[1] - line[0])
     across = np.array((-along[1], along[0]))
-    if scene.boundary_condition.start_symbol == "wall":
+    if scene.boundary_condition.start_drawing == "wall":
         yield _line(line[0] + np.outer((-12, 12), across), FIXED, 3)
-    elif scene.boundary_condition.start_symbol == "pin":
+    elif scene.boundary_condition.start_drawing == "pin":
         corners = line[0] + np.array(((0, 0), (-7, 11), (7, 11), (0, 0)))
         yield _line(corners, FIXED, 2)
 

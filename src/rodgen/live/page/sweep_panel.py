@@ -180,7 +180,7 @@ class SweepPanel:
         change = "all over the range"
         if self._critical is not None:
             change = f"up to {self._critical:.4g} {self.field.unit}".rstrip()
-        when = f", loads as at t = {self._t:.3g} s" if self.page.scene.time_laws else ""
+        when = f", loads as at t = {self._t:.3g} s" if self.page.scene.time_dependent_loads else ""
         return "; ".join(filter(None, (f"straight{when}: {words} {change}", self._said)))
 
     def _draw(self) -> None:

@@ -53,7 +53,7 @@ def stability_rows(scene: Scene, key: str, values: Sequence[float], t: float) ->
     """Rows of the stability map: the value, the largest growth rate [1/s], the frequency of that
     mode [Hz], and whether the straight rod is stable, None where that failed."""
     vary = {key: {"values": list(values)}}
-    data = study(scene, vary=vary, what="modes", options={"t": t}, workers=1)
+    data = study(scene, vary=vary, analysis="modes", options={"t": t}, workers=1)
     growth, frequency = data["growth"].values, data["frequencies"].values
     failed = data["status"].values != "finished"
     rows: list[Row] = []

@@ -180,7 +180,7 @@ class FrameRenderer:
         self._joints = self.camera.to_picture(motion.joints)
         self._centre = self.camera.to_picture(motion.centre)
         self._arrows = LoadArrows(motion, self.camera, stage)
-        self._hold = SUPPORTS[scene.boundary_condition.start_symbol]
+        self._hold = SUPPORTS[scene.boundary_condition.start_drawing]
         bodies = bool(scene.bodies)
         stage.add_legend(
             (self._hold[0], start_name(scene)), bodies, self._arrows.names, self.camera.view

@@ -97,9 +97,9 @@ class Rod(Peer):
         )
         for term, follows in (("follower", True), ("tip_load", False)):
             if term in scene.structure.terms:
-                given = {} if scene.time_laws else {"loadVector": self._force(term, 0.0)}
+                given = {} if scene.time_dependent_loads else {"loadVector": self._force(term, 0.0)}
                 load = items.LoadForceVector(markerNumber=tail, bodyFixed=follows, **given)
-                if scene.time_laws:
+                if scene.time_dependent_loads:
                     load.loadVectorUserFunction = self._called(term)
                 self.system.AddLoad(load)
 
@@ -111,7 +111,7 @@ class Rod(Peer):
         return force
 
     def _force(self, term: str, t: float) -> list[float]:
-        if self.job.scene.time_laws:
+        if self.job.scene.time_dependent_loads:
             given = self.given(self.stretch.clip(t))
         else:
             given = self.job.scene.parameters

@@ -25,7 +25,7 @@ def parameters(scene: rodgen.Scene, middle: float, functions: Functions) -> Para
     """
     scope = {"__builtins__": {}, "pi": math.pi, **functions}
     fixed, codes = scene.parameters, {}
-    for name, expression in scene.time_laws.items():
+    for name, expression in scene.time_dependent_loads.items():
         codes[name] = compile(smooth(expression, middle), "<load>", "eval")
 
     def at(t: Any) -> dict[str, Any]:

@@ -142,7 +142,7 @@ class Rod(Peer):
 
         def over(stretch: Stretch, y: Array) -> Array:
             self.enter(stretch, stretch.first, y)
-            mujoco.set_mjcb_control(self.called if self.job.scene.time_laws else None)
+            mujoco.set_mjcb_control(self.called if self.job.scene.time_dependent_loads else None)
             try:
                 times = pairwise([stretch.first, *stretch.times])
                 return np.array([self._step(*pair, setting) for pair in times])

@@ -109,7 +109,7 @@ class Peer(ABC):
 
     def accelerations(self, t: float, y: Array) -> Array:
         """Second half of the rates, in rodgen's coordinates."""
-        raise NotImplementedError
+        raise NotImplementedError  # of a peer that is compared by its runs alone
 
     @abstractmethod
     def settings(self, quick: bool) -> Iterator[float]:

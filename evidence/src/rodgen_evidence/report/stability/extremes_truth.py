@@ -102,7 +102,9 @@ def _scipy(
     model, given = rodgen.build(whole, *DENSE), {"fin_factor": None, **scene.parameters}
     p = model.parameters(**{name: given.get(name, 0.0) for name in whole.parameters})
     # Loads that change with time are put into p as they are asked for.
-    timed = [(model.PARAMETERS.index(name), force) for name, force in scene.time_laws.items()]
+    timed = [
+        (model.PARAMETERS.index(name), force) for name, force in scene.time_dependent_loads.items()
+    ]
     first, last = scene.integrate.span
     times = scene.integrate.sample_times
     rows, y = [y0[None]], y0
