@@ -207,7 +207,7 @@ def test_picture_shows_where_growth_begins(write: Write) -> None:
     """Strong flutter, from 430 N on, would make a line of what happens at 348 N."""
     scene = package.Scene.from_toml(write(f"{PUSHED}\n{DAMPED}0.5", 20, "free"))
     found, family = package.critical_load(scene), load_family(scene)
-    low, high = stability_curves(found, family).axes[1].get_ylim()
+    low, high = stability_curves(found).axes[1].get_ylim()
     assert 0.15 < high / (high - low) < 0.85
     before, after = np.nanmax(
         family.elastic_eigenvalues(found.value * np.array([0.0, 1.1])).real, axis=1

@@ -10,7 +10,7 @@ import pytest
 import xarray
 from matplotlib.figure import Figure
 
-from rodgen.show import run_pictures, study_pictures, study_results
+from rodgen.show import run_pictures, study_maps, study_pictures, study_results
 from rodgen.show.study_results import StudyResults
 
 SECTION = "section(tip_y, where='tip_x', rising=0)"
@@ -111,7 +111,7 @@ def test_a_map_shows_the_points_that_were_computed() -> None:
     data = dataset(names)
     status = np.full((6, 5), "", dtype=object)
     status[::2, ::2] = "finished"
-    figure = study_pictures.map_plot(StudyResults(data.assign(status=(names, status))), "stable")
+    figure = study_maps.map_plot(StudyResults(data.assign(status=(names, status))), "stable")
     drawn = of_lines(figure, ".")
     assert len(drawn) == 9
     assert {*drawn[:, 0]} == {0.0, 0.5, 1.0}
@@ -130,8 +130,8 @@ def test_periods_of_sections_are_told_apart() -> None:
     values[1, 0] = rng.random(600)
     values[1, 1, :4] = [0.2, 0.2004, 0.7, 0.2002]
     values[1, 2, 0] = 1e6
-    found = study_pictures.count_distinct(values)
+    found = study_maps.count_distinct(values)
     assert found[0].tolist() == [0, 1, 3]
     assert found[1, 0] > 100
     assert found[1, 1:].tolist() == [2, 1]
-    assert study_pictures.count_distinct(np.full((2, 3), np.nan)).tolist() == [0, 0]
+    assert study_maps.count_distinct(np.full((2, 3), np.nan)).tolist() == [0, 0]

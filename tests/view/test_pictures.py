@@ -7,11 +7,13 @@ from typing import Any
 
 import numpy as np
 import pytest
+from matplotlib.figure import Figure
 
 import rodgen
 from rodgen.integrate import Solution
 from rodgen.model.terms import TERMS, axis_label
 from rodgen.scene import Scene
+from rodgen.show.canvas import draw_by_stability
 from rodgen.show.run_pictures import energies, phase_plot, trajectories
 from rodgen.show.summary import summary
 from rodgen.show.time_pictures import (
@@ -160,3 +162,14 @@ def test_energy_that_went_elsewhere_shows_it(make_scene: Callable[..., Scene]) -
     solution.y[1, 5] = 1e200  # vx0
     with np.errstate(all="ignore"):
         assert "18 J to inf J" in summary(solution)
+
+
+def test_a_curve_changes_its_style_with_its_stability() -> None:
+    """Each piece begins where the one before ends; a single point has none."""
+    axes = Figure().add_subplot()
+    x = np.arange(6.0)
+    draw_by_stability(axes, x, x**2, np.array([0, 0, 1, -1, -1]))
+    assert [line.get_linestyle() for line in axes.lines] == ["-", "--", ":"]
+    assert [line.get_xdata().tolist() for line in axes.lines] == [[0, 1, 2], [2, 3], [3, 4, 5]]
+    draw_by_stability(axes, x[:1], x[:1], np.array([], dtype=int))
+    assert len(axes.lines) == 3

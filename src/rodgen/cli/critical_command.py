@@ -14,7 +14,7 @@ from rodgen.cli.result_folders import delivery
 from rodgen.model.terms import TERMS
 from rodgen.scene import Scene
 
-SCALABLE = ", ".join(term.table for term in TERMS.values() if term.size_parameters)
+SCALABLE = [term.table for term in TERMS.values() if term.size_parameters]
 
 
 def critical(
@@ -30,16 +30,10 @@ def critical(
     load: Annotated[
         str | None,
         typer.Option(
-            autocompletion=complete_words(
-                [
-                    *(term.table for term in TERMS.values() if term.size_parameters),
-                    "followers",
-                    "all",
-                ]
-            ),
-            help=f"Load that is scaled: {SCALABLE}, or a name such as follower_2 if there are "
-            "several; followers or all scales several by one factor. Default: the first load that "
-            "follows the rod.",
+            autocompletion=complete_words([*SCALABLE, "followers", "all"]),
+            help=f"Load that is scaled: {', '.join(SCALABLE)}, or a name such as follower_2 if "
+            "there are several; followers or all scales several by one factor. Default: the first "
+            "load that follows the rod.",
         ),
     ] = None,
     end: Annotated[

@@ -13,7 +13,7 @@ from rodgen.check.proofs import MOST_EXPLICIT, Proof, prove
 from rodgen.cli.console import out, print_json, print_result, show_work
 from rodgen.cli.exits import DISPROVEN, fail
 from rodgen.cli.options import AsJson, Changes, complete_list, complete_words, read_scene
-from rodgen.cli.result_folders import output_folder, unwritable_error
+from rodgen.cli.result_folders import output_folder, refuse_unwritable
 from rodgen.emit.targets import FORMS, TARGETS, available_parts, check_output, required_parts
 from rodgen.errors import InputError, Missing
 from rodgen.loading import companions, sources
@@ -163,10 +163,8 @@ def _describe_total(proof: Proof) -> str:
 
 
 def _write_module(path: Path, text: str) -> str:
-    try:
+    with refuse_unwritable(path.parent):
         if path.is_file() and path.read_text(encoding="utf-8") == text:
             return f"{path} is up to date"
         write_whole(path, text)
-    except OSError as error:
-        raise unwritable_error(path.parent, error) from None
     return f"wrote {path} ({len(text.encode())} bytes)"

@@ -26,13 +26,21 @@ ENOUGH = 1000  # characters with the first three lines
 
 def make_writable(folder: Path) -> Path:
     """Make a folder if it is not there and see that it can be written; raises InputError."""
-    try:
+    with refuse_unwritable(folder):
         folder.mkdir(parents=True, exist_ok=True)
         with tempfile.TemporaryFile(dir=folder):
             pass
-    except OSError as error:
-        raise unwritable_error(folder, error) from None
     return folder
+
+
+@contextmanager
+def refuse_unwritable(folder: Path) -> Iterator[None]:
+    """Raise InputError where a folder cannot be written inside."""
+    try:
+        yield
+    except OSError as error:
+        reason = error.strerror or str(error)
+        raise InputError("--out", str(folder), f"a folder to write into ({reason})") from None
 
 
 @contextmanager
@@ -75,12 +83,6 @@ def delivery(scene: Scene, out_folder: Path, as_json: bool) -> Iterator[Callable
                     write_picture(partial(figure_of, found, picture), folder, name)
 
         yield deliver
-
-
-def unwritable_error(folder: Path, error: OSError) -> InputError:
-    """Error for a folder that cannot be written."""
-    reason = error.strerror or str(error)
-    return InputError("--out", str(folder), f"a folder to write into ({reason})")
 
 
 def check_same_run(scene: Scene, file: Path) -> None:

@@ -22,7 +22,7 @@ from rodgen.cli.result_folders import (
     check_same_run,
     files_to_replace,
     output_folder,
-    unwritable_error,
+    refuse_unwritable,
 )
 from rodgen.emit.targets import TARGETS
 from rodgen.integrate import Interrupted, RunError, Solution, resume, simulate
@@ -170,20 +170,17 @@ def _write_results(
     texts = sources(solution.scene, target) | companions(target)
     # Of what lies in a folder, the folder.
     written = [RESULT, SUMMARY, *dict.fromkeys("".join(n.partition("/")[:2]) for n in texts)]
-    try:
-        with show_work("writing") as step:
-            write_whole(folder / SUMMARY, words)
-            for name, text in texts.items():
-                write_whole(folder / name, text)
-            for file in stale:
-                if file.name not in texts:
-                    file.unlink(missing_ok=True)
-            step(RESULT)
-            if pictured and has_pictures():
-                restore_ctrl_c()
-                from rodgen.show.run_pictures import save_pictures
+    with refuse_unwritable(folder), show_work("writing") as step:
+        write_whole(folder / SUMMARY, words)
+        for name, text in texts.items():
+            write_whole(folder / name, text)
+        for file in stale:
+            if file.name not in texts:
+                file.unlink(missing_ok=True)
+        step(RESULT)
+        if pictured and has_pictures():
+            restore_ctrl_c()
+            from rodgen.show.run_pictures import save_pictures
 
-                written += [picture.name for picture in save_pictures(solution, folder)]
-    except OSError as error:
-        raise unwritable_error(folder, error) from None
+            written += [picture.name for picture in save_pictures(solution, folder)]
     return written

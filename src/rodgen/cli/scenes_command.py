@@ -6,13 +6,13 @@ from pathlib import Path
 from typing import Annotated
 
 import typer
-from rich.table import Table
 
-from rodgen.cli.console import out, print_json
+from rodgen.cli.console import out, print_json, print_table
 from rodgen.cli.options import AsJson, complete_words
-from rodgen.cli.result_folders import unwritable_error
+from rodgen.cli.result_folders import refuse_unwritable
 from rodgen.errors import InputError
 from rodgen.loading.cache import write_whole
+from rodgen.result import ResultTable
 from rodgen.scene import Scene
 from rodgen.scene.examples import (
     STUDIES,
@@ -27,23 +27,17 @@ from rodgen.scene.examples import (
 
 def scenes(as_json: AsJson = False) -> None:
     """List the scenes and studies that come with rodgen."""
-    kinds = {"scenes": examples(), STUDIES: studies()}
+    found = {
+        kind: {n: {"file": str(path), "about": first_sentence(path)} for n, path in of.items()}
+        for kind, of in (("scenes", examples()), (STUDIES, studies()))
+    }
     if as_json:
-        print_json(
-            {
-                kind: {
-                    name: {"file": str(path), "about": first_sentence(path)}
-                    for name, path in of.items()
-                }
-                for kind, of in kinds.items()
-            }
-        )
+        print_json(found)
         return
-    for kind, of in kinds.items():
-        table = Table("name", "what it is", title=f"{kind.title()}: rodgen new NAME --like ...")
-        for name, path in of.items():
-            table.add_row(name, first_sentence(path))
-        out.print(table)
+    for kind, listed in found.items():
+        rows = [(name, one["about"]) for name, one in listed.items()]
+        table = ResultTable.of_rows(("name", "what it is"), rows)
+        print_table(f"{kind.title()}: rodgen new NAME --like ...", table)
     out.print(f"Their files lie in {examples_folder()}.")
 
 
@@ -72,11 +66,9 @@ def new(
     for path in (folder / one for one in made):
         if path.exists():
             raise InputError("NAME", name, f"new: {path} is there already")
-    try:
+    with refuse_unwritable(folder):
         for one, text in made.items():
             write_whole(folder / one, text)
-    except OSError as error:
-        raise unwritable_error(folder, error) from None
     written = ", ".join(str(folder / one) for one in made)
     run = f"rodgen {'study' if study else 'run'} {folder / f'{name}.toml'}"
     out.print(f"Written: {written}. Next: {run}")

@@ -33,6 +33,7 @@ from rodgen.show.canvas import (
     SPECIAL,
     describe_marks,
     draw_marks,
+    make_axes,
     make_figure,
     set_height,
     set_limits,
@@ -55,9 +56,7 @@ def scene_at_start(scene: Scene) -> Figure:
     module is built where it has not been."""
     rod, y = SteadyRod.of(scene, scene.integrate.span[0]), scene.initial_state()
     joints = rod.model.joints(y, rod.system.p)
-    figure = make_figure(6.0, 5.0)
-    axes = figure.add_subplot()
-    axes.grid(alpha=0.3)
+    figure, (axes,) = make_axes(6.0, 5.0)
     axes.plot(*joints.T, "-", color=ROD, linewidth=LINE)
     draw_marks(axes, scene, joints, ROD)
     drawn = draw_loads(axes, rod, joints, y, 1.0)
@@ -70,9 +69,9 @@ def scene_at_start(scene: Scene) -> Figure:
     return figure
 
 
-def mode_shapes(modes: Modes, scene: Scene) -> Figure:
+def mode_shapes(modes: Modes) -> Figure:
     """Shapes of up to six modes, at both ends of their motion, on the steady state."""
-    count = min(PANELS, len(modes.frequencies))
+    scene, count = modes.scene, min(PANELS, len(modes.frequencies))
     if not count:
         raise EmptyPictureError("modes", modes, "at least one")
     size = AMPLITUDE * np.linalg.norm(np.diff(modes.joints, axis=0), axis=1).sum()
@@ -122,9 +121,10 @@ def _mode_label(modes: Modes, at: int) -> str:
     return f"{text}\ngrows" if growth > 0 else text
 
 
-def equilibrium_shape(rest: Equilibrium, rod: SteadyRod) -> Figure:
+def equilibrium_shape(rest: Equilibrium) -> Figure:
     """Deflected rod beside the straight one, with its loads; small displacements enlarged. A rod
     that turns freely is straight in more than one direction: that of its start is shown."""
+    rod = SteadyRod.of(rest.scene, rest.t)
     length, name = rod.scene.rod.length, rod.scene.name
     straight = rod.model.joints(
         rod.state_at_rest(rod.start_unknowns(rod.straight_angles)), rod.system.p
@@ -135,9 +135,7 @@ def equilibrium_shape(rest: Equilibrium, rod: SteadyRod) -> Figure:
     if 1e-12 < largest < SMALL:
         times = float(10.0 ** np.floor(np.log10(SEEN / largest)))
     joints = straight + times * moved
-    figure = make_figure(6.0, 5.5)
-    axes = figure.add_subplot()
-    axes.grid(alpha=0.3)
+    figure, (axes,) = make_axes(6.0, 5.5)
     straight_as = "straight" if rod.is_clamped else "straight, as at the start"
     axes.plot(*straight.T, "--", color=FAINT, label=straight_as, linewidth=LINE)
     dots = "o-" if len(joints) <= 60 else "-"
@@ -224,8 +222,11 @@ def draw_loads(axes: Axes, rod: SteadyRod, joints: Array, y: Array, side: float)
     return [pair for pair, _ in ends]
 
 
-def stability_curves(found: Critical, family: LoadFamily) -> Figure:
+def stability_curves(found: Critical) -> Figure:
     """Frequencies of the lowest modes, and growth rates below, over the load that is scaled."""
+    scene = found.scene
+    speed = found.speed if scene.boundary_condition.translates else None
+    family = load_family(scene, found.t, speed, load=found.load)
     start = min(0.0, found.searched[0])
     beyond = found.value + BEYOND * max(abs(found.value), family.unit * (not found.value))
     forces, s = _eigenvalue_curves(family, start, beyond, found)
@@ -235,12 +236,10 @@ def stability_curves(found: Critical, family: LoadFamily) -> Figure:
     growth = np.sort(s.real, axis=1)
     shown = np.isfinite(frequency) & (frequency >= 0)
     frequency = np.where(shown, frequency, np.nan)
-    first = int(
-        np.argmax(frequency[0] > family.zero_tolerance / (2 * np.pi))
-    )  # overdamped motions apart
+    # Overdamped motions apart.
+    first = int(np.argmax(frequency[0] > family.zero_tolerance / (2 * np.pi)))
     last = min(first + max(*found.modes, 2), frequency.shape[1] - 1)
-    figure = make_figure(6.4, 5.6)
-    upper, lower = figure.subplots(2, 1, sharex=True, height_ratios=(3, 2))
+    figure, (upper, lower) = make_axes(6.4, 5.6, 2, sharex=True, height_ratios=(3, 2))
     upper.plot(forces, frequency[:, : last + 1], ".", markersize=1.5, color=CURVE)
     upper.set_ylim(0, 1.08 * max(float(np.nanmax(frequency[:, : last + 1])), 1e-300))
     upper.plot(found.value, found.frequency, "o", color=SPECIAL, clip_on=False, markersize=5)
@@ -249,12 +248,10 @@ def stability_curves(found: Critical, family: LoadFamily) -> Figure:
     lower.plot(found.value, 0.0, "o", color=SPECIAL, markersize=5)
     for axes in (upper, lower):
         axes.axvline(found.value, color=SPECIAL, linestyle="--", linewidth=0.8)
-        axes.grid(alpha=0.3)
     at = f" at {found.frequency:.5g} Hz" if found.frequency else ""
-    name = family.rod.scene.name
     upper.set(
         ylabel="frequency [Hz]",
-        title=f"{name}: {found.kind} from {found.value:.6g} {found.unit}{at}",
+        title=f"{scene.name}: {found.kind} from {found.value:.6g} {found.unit}{at}",
     )
     label = label_of(found.load) + f" [{typeset(found.unit)}]" * (found.load not in GROUPS)
     lower.set(xlabel=label, ylabel="growth [1/s]", xlim=(forces[0], forces[-1]))
@@ -287,15 +284,9 @@ def _eigenvalue_curves(
     raise last
 
 
-def _draw_critical(found: Critical) -> Figure:
-    scene = found.scene
-    speed = found.speed if scene.boundary_condition.translates else None
-    return stability_curves(found, load_family(scene, found.t, speed, load=found.load))
-
-
 PICTURES_OF: dict[type[Plottable] | type[Scene], Mapping[str, Callable[[Any], Figure]]] = {
     Scene: {"start": scene_at_start},
-    Modes: {"shapes": lambda found: mode_shapes(found, found.scene)},
-    Equilibrium: {"shape": lambda rest: equilibrium_shape(rest, SteadyRod.of(rest.scene, rest.t))},
-    Critical: {"curves": _draw_critical},
+    Modes: {"shapes": mode_shapes},
+    Equilibrium: {"shape": equilibrium_shape},
+    Critical: {"curves": stability_curves},
 }

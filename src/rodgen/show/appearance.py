@@ -22,7 +22,6 @@ from rodgen.integrate import Solution
 from rodgen.result import Note, Result, ResultTable
 from rodgen.scene import Scene
 from rodgen.show.animation.film import Video, make_video
-from rodgen.show.animation.frame_times import FilmSettings
 from rodgen.show.canvas import draw_into
 from rodgen.show.summary import scene_table
 
@@ -73,7 +72,7 @@ def figure_of(shown: Tabular, picture: str | None = None) -> Figure:
 
 def video(solution: Solution, **settings: Any) -> Video:
     """Make a film of a run; settings: those of `Solution.animate`."""
-    return make_video(solution, FilmSettings(**settings))
+    return make_video(solution, **settings)
 
 
 def html(shown: Result | Scene) -> str:

@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-from itertools import pairwise
-from typing import TYPE_CHECKING, Any, Literal
+from itertools import cycle
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.ticker import LogLocator, NullFormatter
@@ -23,121 +22,77 @@ from rodgen.show.canvas import (
     LINE,
     SERIES,
     SPECIAL,
+    STABILITY,
     describe_marks,
+    draw_by_stability,
     draw_marks,
-    make_figure,
+    make_axes,
     mark_of,
+    stability_legend,
 )
 
 if TYPE_CHECKING:
     import xarray
 
-Style = Literal["-", "--", ":"]
 STEEP = 5.0  # largest over least load, from which on their axis is logarithmic
 WIDE, WIDEST = 1e3, 1e4  # largest over least damping: logarithmic, and how far at most
 FLAT = 1e-9  # of the length: what moves less does not
-STYLES: dict[int, Style] = {1: "--", 0: "-", -1: ":"}  # unstable, stable, not known
 
 
 def bifurcation_diagram(branches: list[xarray.Dataset], scene: Scene) -> Figure:
     """Bifurcation diagram: deflection of the tail over the varied number; stable states solid,
-    unstable ones dashed, special points marked and named."""
-    figure = make_figure(6.4, 4.6)
-    axes = figure.add_subplot()
-    kinds: dict[str, None] = {}
+    unstable ones dashed, special points marked, named, and with their values beside them."""
+    figure, (axes,) = make_axes(6.4, 4.6)
+    known, named, furthest = set[int](), dict[str, str](), 0.0
     for data in branches:
-        across = _deflection(data, "", scene)
-        values = data["value"].values
-        for where, rows in _stability_runs(data["unstable"].values):
-            line = Line2D(
-                values[rows], across[rows], linestyle=STYLES[where], color=CURVE, linewidth=LINE
-            )
-            axes.add_line(line)
-        if data.sizes["special"]:
-            kind_of, value_of = data["special_kind"].values, data["special_value"].values
-            points = zip(kind_of, value_of, _deflection(data, "special_", scene), strict=True)
-            for kind, value, y in points:
-                axes.plot(value, y, mark_of(kind)[0], color=SPECIAL, markersize=5)
-                kinds[str(kind)] = None
-    axes.autoscale_view()
-    _annotate_values(axes, branches, scene)
-    moved = [np.ptp(_deflection(data, "", scene)) for data in branches]
-    if max(moved) < FLAT * scene.rod.length:
+        label, across = _deflection(data, "", scene)
+        kinds = np.sign(data["unstable"].values)
+        draw_by_stability(axes, data["value"].values, across, kinds[:-1])
+        known |= set(kinds.tolist())
+        furthest = max(furthest, float(np.ptp(across)))
+        if not data.sizes["special"]:
+            continue
+        points = (data["special_value"].values, _deflection(data, "special_", scene)[1])
+        for kind, value, y in zip(data["special_kind"].values, *points, strict=True):
+            mark, name = mark_of(kind)
+            named[name] = mark
+            axes.plot(value, y, mark, color=SPECIAL, markersize=5)
+            beside: dict[str, Any] = {"textcoords": "offset points", "fontsize": "x-small"}
+            axes.annotate(f"{value:.6g}", (value, y), (4, 5), **beside)
+    if furthest < FLAT * scene.rod.length:
         axes.set_ylim(-0.05, 0.05)
-    axes.grid(alpha=0.3)
-    axes.set(
-        xlabel=axis_label(branches[0].attrs["key"]),
-        ylabel=_ordinate_label(scene),
-        title=f"{scene.name}: equilibria",
-    )
-    known = {int(number) for data in branches for number in np.sign(data["unstable"].values)}
-    words = {0: "stable", 1: "unstable", -1: "stability not known"}
-    handles = [
-        Line2D([], [], linestyle=STYLES[at], color=CURVE, label=words[at])
-        for at in (0, 1, -1)
-        if at in known
-    ]
-    for mark, name in map(mark_of, kinds):
+    axes.set(xlabel=axis_label(branches[0].attrs["key"]), ylabel=label)
+    axes.set_title(f"{scene.name}: equilibria")
+    handles = stability_legend(known, CURVE)
+    for name, mark in named.items():
         handles.append(Line2D([], [], linestyle="", marker=mark, color=SPECIAL, label=name))
     figure.legend(handles=handles, loc="outside lower center", ncols=5, fontsize="small")
     return figure
 
 
-def _ordinate_label(scene: Scene) -> str:
-    if scene.boundary_condition.translates and not scene.anchors.support_points:
-        return "angle of the tail against the nose [rad]"
-    return (
-        "tail across the straight rod [m]"
-        if scene.boundary_condition.is_clamped
-        else "y of the tail [m]"
-    )
-
-
-def _deflection(data: xarray.Dataset, prefix: str, scene: Scene) -> Array:
-    """Return the ordinate of the states of a branch, (points,)."""
+def _deflection(data: xarray.Dataset, prefix: str, scene: Scene) -> tuple[str, Array]:
+    """Return the ordinate of the states of a branch: its label, and its values (points,)."""
     phi, tip = data[f"{prefix}phi"].values, data[f"{prefix}tip"].values
     if scene.boundary_condition.translates and not scene.anchors.support_points:
-        return np.asarray(phi[:, -1] - phi[:, 0])
-    angle = (scene.rod.clamp_angle or 0.0) if scene.boundary_condition.is_clamped else 0.0
-    return np.asarray(tip @ [-np.sin(angle), np.cos(angle)])
-
-
-def _stability_runs(unstable: Array) -> list[tuple[int, slice]]:
-    """Split points into runs of equal stability; each includes the first point of the next."""
-    signs = np.sign(unstable)
-    ends = [0, *(np.flatnonzero(np.diff(signs)) + 1).tolist(), len(signs)]
-    return [(int(signs[a]), slice(a, b + 1)) for a, b in pairwise(ends)]
-
-
-def _annotate_values(axes: Axes, branches: list[xarray.Dataset], scene: Scene) -> None:
-    """Write the values beside the special points."""
-    for data in branches:
-        if not data.sizes["special"]:
-            continue
-        moved = _deflection(data, "special_", scene)
-        for value, y in zip(data["special_value"].values, moved, strict=True):
-            axes.annotate(
-                f"{value:.6g}", (value, y), (4, 5), textcoords="offset points", fontsize="x-small"
-            )
+        return "angle of the tail against the nose [rad]", phi[:, -1] - phi[:, 0]
+    if not scene.boundary_condition.is_clamped:
+        return "y of the tail [m]", tip[:, 1]
+    angle = scene.rod.clamp_angle or 0.0
+    return "tail across the straight rod [m]", tip @ [-np.sin(angle), np.cos(angle)]
 
 
 def equilibrium_shapes(found: list[Equilibrium], scene: Scene) -> Figure:
     """Rod in all equilibria that were found: stable ones solid, unstable ones dashed."""
-    figure = make_figure(5.6, 5.2)
-    axes = figure.add_subplot()
-    axes.grid(alpha=0.3)
-    for number, one in enumerate(found):
-        style = STYLES[-1 if one.stable is None else int(not one.stable)]
-        axes.plot(
-            *one.joints.T, color=SERIES[number % len(SERIES)], linestyle=style, linewidth=LINE
-        )
-        draw_marks(axes, scene, one.joints, SERIES[number % len(SERIES)])
+    figure, (axes,) = make_axes(5.6, 5.2)
+    kinds = [-1 if one.stable is None else int(not one.stable) for one in found]
+    for one, kind, colour in zip(found, kinds, cycle(SERIES), strict=False):
+        style = STABILITY[kind][0]
+        axes.plot(*one.joints.T, color=colour, linestyle=style, linewidth=LINE)
+        draw_marks(axes, scene, one.joints, colour)
     axes.set_aspect("equal", adjustable="datalim")
     axes.set(xlabel=f"x [m]\n{describe_marks(scene)}", ylabel="y [m]")
     axes.set_title(f"{scene.name}: {len(found)} equilibria")
-    words = {0: "stable", 1: "unstable", -1: "stability not known"}
-    kinds = {-1 if one.stable is None else int(not one.stable) for one in found}
-    handles = [Line2D([], [], color=INK, linestyle=STYLES[at], label=words[at]) for at in kinds]
+    handles = stability_legend(kinds, INK)
     figure.legend(handles=handles, loc="outside lower center", ncols=3, fontsize="small")
     return figure
 
@@ -149,19 +104,15 @@ def boundary_curve(data: xarray.Dataset, scene: Scene) -> Figure:
     values = [data[name].values for name in ("a", "b")]
     up = 0 if not _is_damping(names[0]) else 1  # a load stands upright, damping lies
     y, x, frequency = values[up], values[1 - up], data["frequency"].values
-    figure = make_figure(6.4, 5.2)
-    upper, lower = figure.subplots(2, 1, sharex=True, height_ratios=(3, 1))
+    figure, (upper, lower) = make_axes(6.4, 5.2, 2, sharex=True, height_ratios=(3, 1))
     upper.plot(x, y, color=CURVE, linewidth=LINE)
     places = [data[f"special_{name}"].values for name in ("a", "b")]
     for kind, *place in zip(data["special_kind"].values, *places, strict=True):
         upper.plot(place[1 - up], place[up], "s", color=SPECIAL, markersize=5)
         inside = place[1 - up] > x.max() / 2  # of the right edge
-        beside: dict[str, Any] = {
-            "textcoords": "offset points",
-            "fontsize": "small",
-            "va": "center",
-        }
-        beside |= {"ha": "right", "xytext": (-8, 0)} if inside else {"xytext": (8, -8)}
+        beside: dict[str, Any]
+        beside = {"ha": "right", "xytext": (-8, 0)} if inside else {"xytext": (8, -8)}
+        beside |= {"textcoords": "offset points", "fontsize": "small", "va": "center"}
         upper.annotate(kind, (place[1 - up], place[up]), **beside)
     lower.plot(x, frequency, color=CURVE, linewidth=LINE)
     positive = x[x > 0]
@@ -190,8 +141,6 @@ def boundary_curve(data: xarray.Dataset, scene: Scene) -> Figure:
             upper.yaxis.set_minor_formatter(NullFormatter())
         else:
             upper.set_ylim(bottom=0.0)
-    for axes in (upper, lower):
-        axes.grid(alpha=0.3)
     upper.set(
         ylabel=axis_label(names[up]),
         title=f"{scene.name}: {data.attrs['kind']} begins at the boundary",

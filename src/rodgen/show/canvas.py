@@ -4,17 +4,20 @@ supports, and their names.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Collection, Iterator
 from contextlib import contextmanager
 from contextvars import ContextVar
-from typing import Any, cast
+from itertools import pairwise
+from typing import Any, Literal, cast
 
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.colors import LinearSegmentedColormap
 from matplotlib.figure import Figure, SubFigure
+from matplotlib.lines import Line2D
 
+from rodgen.arrays import Array
 from rodgen.model.palette import LIGHT, colours_of
 from rodgen.scene import Scene
 
@@ -42,6 +45,13 @@ MARKS = {
     "period doubling": ("^", "period doubling"),
     "torus": ("v", "torus"),
 }
+# Lines of what is stable, unstable, or of which neither is known: their styles and names.
+Style = Literal["-", "--", ":"]
+STABILITY: dict[int, tuple[Style, str]] = {
+    0: ("-", "stable"),
+    1: ("--", "unstable"),
+    -1: (":", "stability not known"),
+}
 VALUES = "viridis"  # of maps, which are filled
 SLIVER = 0.05  # width over length
 
@@ -55,6 +65,18 @@ def make_figure(width: float, height: float) -> Figure:
     if not callable(given):
         return cast(Figure, given)  # of a part of a figure there is all that pictures ask for
     return given(figsize=(width, height), layout="constrained")
+
+
+def make_axes(
+    width: float, height: float, rows: int = 1, **layout: Any
+) -> tuple[Figure, list[Axes]]:
+    """Make a figure of this size [inches] with axes one above the other, each with a pale grid;
+    layout: options of Figure.subplots."""
+    figure = make_figure(width, height)
+    panels: list[Axes] = figure.subplots(rows, squeeze=False, **layout)[:, 0].tolist()
+    for axes in panels:
+        axes.grid(alpha=0.3)
+    return figure, panels
 
 
 def figure_without_window(**how: Any) -> Figure:
@@ -84,13 +106,31 @@ def mark_of(kind: str) -> tuple[str, str]:
     return MARKS.get(kind, ("x", kind))
 
 
+def draw_by_stability(axes: Axes, x: Array, y: Array, kinds: Array) -> None:
+    """Draw a curve (points,), each of its pieces (points - 1,) in the style that its kind has in
+    STABILITY."""
+    changes = np.flatnonzero(np.diff(kinds)) + 1
+    for first, last in pairwise(np.unique([0, *changes, len(kinds)])):
+        part = slice(first, last + 1)
+        axes.plot(x[part], y[part], STABILITY[kinds[first]][0], color=CURVE, linewidth=LINE)
+
+
+def stability_legend(kinds: Collection[int], colour: str) -> list[Line2D]:
+    """Return entries of a legend for those kinds of STABILITY that occur."""
+    return [
+        Line2D([], [], linestyle=style, color=colour, label=words)
+        for kind, (style, words) in STABILITY.items()
+        if kind in kinds
+    ]
+
+
 def set_height(figure: Figure, height: float) -> None:
     """Give a figure another height [inches], unless somebody else has chosen its size."""
     if callable(_given.get()):
         figure.set_figheight(height)
 
 
-def set_limits(axes: Axes, points: np.ndarray) -> None:
+def set_limits(axes: Axes, points: Array) -> None:
     """Set limits that show all points (..., 2), in equal scales unless the picture would be a
     sliver in which nothing is seen."""
     flat = points.reshape(-1, 2)
@@ -107,15 +147,21 @@ def set_limits(axes: Axes, points: np.ndarray) -> None:
         axes.set_title(axes.get_title() + ", scales differ")
 
 
-def draw_marks(
-    axes: Axes, scene: Scene, joints: np.ndarray, colour: Any, anchors: bool = True
-) -> None:
-    """Draw the start of a rod with joints at (n+1, 2), its bodies and, on request, its supports."""
+def draw_marks(axes: Axes, scene: Scene, joints: Array, colour: Any, anchors: bool = True) -> None:
+    """Draw the start of a rod with joints at (n+1, 2), its bodies as discs, their areas by their
+    masses, and on request its supports as dotted lines to triangles at their fixed points, its
+    foundation as a broad line."""
     mark, size = ("s", 4.5) if scene.boundary_condition.is_clamped else ("o", 3.5)
     axes.plot(*joints[0], mark, color=colour, markersize=size)
-    _draw_bodies(axes, scene, joints, colour)
-    if anchors:
-        _draw_anchors(axes, scene, joints, colour)
+    for body in scene.distribution.body_outlines:
+        how = {"color": colour, "alpha": 0.6, "markersize": DISC * body.size}
+        axes.plot(*body.positions(joints), "o", **how)
+    if not anchors:
+        return
+    axes.plot(*scene.anchors.foundation_line.T, "-", color=BED, linewidth=6 * LINE, zorder=0)
+    for tie in scene.anchors.support_points:
+        axes.plot(*tie.segment(joints).T, ":", color=colour, linewidth=LINE)
+        axes.plot(tie.x, tie.y, "^", color=FIXED, markersize=7)
 
 
 def describe_marks(scene: Scene, anchors: bool = True) -> str:
@@ -129,23 +175,6 @@ def describe_marks(scene: Scene, anchors: bool = True) -> str:
     if anchors and len(scene.anchors.foundation_line):
         words.append("broad line: foundation")
     return "; ".join(words)
-
-
-def _draw_anchors(axes: Axes, scene: Scene, joints: np.ndarray, colour: Any) -> None:
-    """Draw supports as dotted lines to triangles at their fixed points, a foundation as a broad
-    line."""
-    anchors = scene.anchors
-    axes.plot(*anchors.foundation_line.T, "-", color=BED, linewidth=6 * LINE, zorder=0)
-    for tie in anchors.support_points:
-        axes.plot(*tie.segment(joints).T, ":", color=colour, linewidth=LINE)
-        axes.plot(tie.x, tie.y, "^", color=FIXED, markersize=7)
-
-
-def _draw_bodies(axes: Axes, scene: Scene, joints: np.ndarray, colour: Any) -> None:
-    """Draw bodies as discs, their areas by their masses, on a rod with joints at (n+1, 2)."""
-    for mark in scene.distribution.body_outlines:
-        place = mark.positions(joints)
-        axes.plot(*place, "o", color=colour, alpha=0.6, markersize=DISC * mark.size)
 
 
 def start_name(scene: Scene) -> str:

@@ -2,17 +2,14 @@
 
 from __future__ import annotations
 
-from itertools import pairwise
 from typing import TYPE_CHECKING
 
 import numpy as np
-from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
 from rodgen.analyse.cycles.cycle_result import Cycle
 from rodgen.analyse.cycles.floquet import Floquet
-from rodgen.arrays import Array
 from rodgen.model.terms import axis_label
 from rodgen.scene import Scene
 from rodgen.show.canvas import (
@@ -23,7 +20,9 @@ from rodgen.show.canvas import (
     ROD,
     SPECIAL,
     describe_marks,
+    draw_by_stability,
     draw_marks,
+    make_axes,
     make_figure,
     mark_of,
 )
@@ -39,8 +38,10 @@ INSIDE = 1.25  # what is drawn of the plane, at least
 
 def film_strip(cycle: Cycle) -> Figure:
     """The rod at eight times of a period, with the shapes just before each behind it."""
-    motion = cycle.motion
-    joints = _relative_joints(motion.joints, cycle)
+    scene, joints = cycle.scene, cycle.motion.joints
+    is_free = scene.boundary_condition.translates and not scene.anchors.terms
+    if is_free:
+        joints = joints - cycle.motion.centre_of_gravity[:, None]
     low, high = joints.min(axis=(0, 1)), joints.max(axis=(0, 1))
     room = MARGIN * max(high - low)
     low, high = low - room, high + room
@@ -58,31 +59,18 @@ def film_strip(cycle: Cycle) -> Figure:
             before = (at - back * step // TRAIL) % (len(joints) - 1)
             axes.plot(*joints[before].T, "-", color=ROD, alpha=0.7 - 0.14 * back, linewidth=0.8)
         axes.plot(*joints[at].T, "-", color=ROD, linewidth=LINE)
-        draw_marks(axes, cycle.scene, joints[at], ROD)
+        draw_marks(axes, scene, joints[at], ROD)
         axes.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]), aspect="equal")
         axes.set_title(f"{frame}/{FRAMES} T", fontsize="small")
         axes.tick_params(labelsize="x-small")
         axes.grid(alpha=0.3)
     kind = "stable" if cycle.stable else "unstable"
-    seen = ", seen from its centre of gravity" if _is_free(cycle) else ""
-    figure.suptitle(
-        f"{cycle.scene.name}: {kind} cycle, T = {cycle.period:.6g} s{seen}", fontsize="medium"
-    )
-    figure.supxlabel(f"x [m]\n{describe_marks(cycle.scene)}", fontsize="small")
+    seen = ", seen from its centre of gravity" if is_free else ""
+    words = f"{scene.name}: {kind} cycle, T = {cycle.period:.6g} s{seen}"
+    figure.suptitle(words, fontsize="medium")
+    figure.supxlabel(f"x [m]\n{describe_marks(scene)}", fontsize="small")
     figure.supylabel("y [m]", fontsize="small")
     return figure
-
-
-def _is_free(cycle: Cycle) -> bool:
-    """Whether the rod is free: nothing holds it in its place."""
-    return bool(cycle.scene.boundary_condition.translates and not cycle.scene.anchors.terms)
-
-
-def _relative_joints(joints: Array, cycle: Cycle) -> Array:
-    """Return the joints (T, n+1, 2); of a rod that is free, from its centre of gravity."""
-    if not _is_free(cycle):
-        return joints
-    return joints - cycle.motion.centre_of_gravity[:, None]
 
 
 def unit_circle(cycle: Cycle) -> Figure:
@@ -93,8 +81,7 @@ def unit_circle(cycle: Cycle) -> Figure:
 
 def multiplier_plane(multipliers: NDArray[np.complex128], name: str, trivial: int = 0) -> Figure:
     """Floquet multipliers with the unit circle; trivial: how many more are 1 by symmetry."""
-    figure = make_figure(4.6, 4.6)
-    axes = figure.add_subplot()
+    figure, (axes,) = make_axes(4.6, 4.6)
     turn = np.linspace(0, 2 * np.pi, 361)
     axes.plot(np.cos(turn), np.sin(turn), "-", color=FAINT, linewidth=LINE)
     mu = multipliers[np.isfinite(multipliers)]
@@ -109,7 +96,6 @@ def multiplier_plane(multipliers: NDArray[np.complex128], name: str, trivial: in
     said = f"{grows.sum()} outside" if grows.any() else "none outside"
     rings = f"; ring: {trivial} at 1 by symmetry" if trivial else ""
     axes.set_title(f"{name}: multipliers, {said}{rings}", fontsize="small")
-    axes.grid(alpha=0.3)
     return figure
 
 
@@ -118,14 +104,14 @@ def cycle_branch_diagram(data: xarray.Dataset, scene: Scene) -> Figure:
     special points marked and named."""
     value = data["value"].values
     stable = data["unstable"].values == 0
-    figure = make_figure(6.5, 5.6)
-    top, low = figure.subplots(2, 1, sharex=True)
+    kinds = np.where(stable[:-1] & stable[1:], 0, 1)
+    figure, (top, low) = make_axes(6.5, 5.6, 2, sharex=True)
     for axes, name, words in (
         (top, "amplitude", "amplitude of the angles [rad]"),
         (low, "period", "period [s]"),
     ):
         height = data[name].values
-        _draw_curve(axes, value, height, stable)
+        draw_by_stability(axes, value, height, kinds)
         for kind in dict.fromkeys(data["special_kind"].values.tolist()):
             here = np.flatnonzero(data["special_kind"].values == kind)
             x = data["special_value"].values[here]
@@ -133,21 +119,11 @@ def cycle_branch_diagram(data: xarray.Dataset, scene: Scene) -> Figure:
             mark, label = mark_of(kind)
             axes.plot(x, y, mark, color=SPECIAL, markersize=5, label=label)
         axes.set_ylabel(words)
-        axes.grid(alpha=0.3)
     if data.sizes["special"]:
         top.legend(fontsize="small")
     low.set_xlabel(axis_label(data.attrs["key"]))
     top.set_title(f"{scene.name}: cycles (solid: stable, dashed: unstable)", fontsize="medium")
     return figure
-
-
-def _draw_curve(axes: Axes, x: Array, y: Array, stable: NDArray[np.bool_]) -> None:
-    """Draw a curve, solid where both ends of a piece are stable, dashed elsewhere."""
-    solid = stable[:-1] & stable[1:]
-    changes = (np.flatnonzero(np.diff(solid)) + 1).tolist()
-    for first, last in pairwise([0, *changes, len(solid)]):
-        part = slice(first, last + 1)
-        axes.plot(x[part], y[part], "-" if solid[first] else "--", color=CURVE, linewidth=LINE)
 
 
 def _ordinate(data: xarray.Dataset, name: str, special: int) -> float:
@@ -157,28 +133,27 @@ def _ordinate(data: xarray.Dataset, name: str, special: int) -> float:
     after = int(data["special_after"][special])
     if after < 0:
         return 0.0
-    if after + 1 >= data.sizes["point"]:
-        return float(data[name][after])
-    a, b, x = (float(data["value"][after]), float(data["value"][after + 1]), 0.0)
-    x = float(data["special_value"][special])
+    ends, around = (data[one].values[after : after + 2] for one in (name, "value"))
+    if len(ends) < 2:
+        return float(ends[0])
+    (a, b), x = around, float(data["special_value"][special])
     share = float(np.clip((x - a) / (b - a), 0, 1)) if a != b else 0.5
-    return float(data[name][after] * (1 - share) + data[name][after + 1] * share)
+    return float(ends[0] * (1 - share) + ends[1] * share)
 
 
 def frequency_energy_plot(data: xarray.Dataset, scene: Scene) -> Figure:
     """Frequency against energy of a nonlinear mode: stable motions solid, unstable ones dashed."""
-    figure = make_figure(6.0, 4.2)
-    axes = figure.add_subplot()
+    figure, (axes,) = make_axes(6.0, 4.2)
     stable = data["unstable"].values == 0
+    kinds = np.where(stable[:-1] & stable[1:], 0, 1)
     energy, frequency = data["energy"].values, data["frequency"].values
-    _draw_curve(axes, energy, frequency, stable)
+    draw_by_stability(axes, energy, frequency, kinds)
     axes.plot(
         [0.0], [data.attrs["linear_frequency"]], "o", color=INK, markersize=4, label="linear mode"
     )
     axes.set(xlabel="energy above rest [J]", ylabel="frequency [Hz]")
     axes.set_title(f"{scene.name}: nonlinear mode {data.attrs['mode']}", fontsize="medium")
     axes.legend(fontsize="small")
-    axes.grid(alpha=0.3)
     return figure
 
 

@@ -4,9 +4,8 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Callable, Iterator, Mapping
-from dataclasses import dataclass
 from functools import partial
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -15,16 +14,16 @@ from numpy.typing import NDArray
 
 from rodgen.analyse.branches import equilibrium_data as branches
 from rodgen.analyse.branches import stability_boundary
-from rodgen.analyse.curves.curve_datasets import scene_of
+from rodgen.analyse.curves.curve_datasets import CurveFormat, scene_of
 from rodgen.analyse.cycles import cycle_data as cycle_branches
 from rodgen.analyse.cycles import nonlinear_modes
 from rodgen.dataset_result import PREFIX, known_or_none
 from rodgen.errors import InputError
-from rodgen.integrate.stepper import NO_RESULT
 from rodgen.result import ResultTable, Row, format_value
 from rodgen.scene import Scene
 from rodgen.show.appearance import compose_html, draw_picture
 from rodgen.show.branch_pictures import bifurcation_diagram, boundary_curve
+from rodgen.show.canvas import mark_of
 from rodgen.show.cycle_pictures import cycle_branch_diagram, frequency_energy_plot
 from rodgen.show.study_pictures import pictures_of
 from rodgen.show.study_results import StudyResults
@@ -33,41 +32,37 @@ if TYPE_CHECKING:
     import xarray
 
 
-@dataclass(frozen=True)
-class CurveDisplay:
+class CurveDisplay(NamedTuple):
     """Presentation of the Dataset of a curve. name: of its picture; title: format of the Dataset's
-    attributes and the name of its scene; draw: makes the picture; rows: its quantities."""
+    attributes and the name of its scene; draw: makes the picture."""
 
+    format: CurveFormat
     name: str
     title: str
     draw: Callable[[Any, Scene], Figure]
-    rows: tuple[Row, ...]
 
 
-# By the attribute `format` of the Dataset.
-CURVES = {
-    branches.FORMAT.name: CurveDisplay(
+DISPLAYS = (
+    CurveDisplay(
+        branches.FORMAT,
         "branch",
         "Branch of {name} along {key}",
         lambda data, scene: bifurcation_diagram([data], scene),
-        branches.FORMAT.rows,
     ),
-    stability_boundary.FORMAT.name: CurveDisplay(
+    CurveDisplay(
+        stability_boundary.FORMAT,
         "boundary",
         "Boundary of stability of {name} over {a}, {b}",
         boundary_curve,
-        stability_boundary.FORMAT.rows,
     ),
-    cycle_branches.FORMAT.name: CurveDisplay(
-        "cycles", "Cycles of {name} along {key}", cycle_branch_diagram, cycle_branches.FORMAT.rows
+    CurveDisplay(
+        cycle_branches.FORMAT, "cycles", "Cycles of {name} along {key}", cycle_branch_diagram
     ),
-    nonlinear_modes.FORMAT.name: CurveDisplay(
-        "mode",
-        "Nonlinear mode {mode} of {name}",
-        frequency_energy_plot,
-        nonlinear_modes.FORMAT.rows,
+    CurveDisplay(
+        nonlinear_modes.FORMAT, "mode", "Nonlinear mode {mode} of {name}", frequency_energy_plot
     ),
-}
+)
+CURVES = {one.format.name: one for one in DISPLAYS}  # by the attribute `format` of the Dataset
 
 
 def is_known(data: xarray.Dataset) -> bool:
@@ -108,11 +103,11 @@ def describe(data: xarray.Dataset) -> str:
         return "<Dataset without pictures of rodgen>"
     if _is_study(data):
         of = StudyResults.subsample(data)
-        failed = sum((of.status == one).sum() for one in NO_RESULT)
+        failed = of.failures.sum()
         points = f"{data['status'].size} points of {', '.join(of.axes)}"
         return f"<Results of {of.title}: {points}" + f"; {failed} failed" * bool(failed) + ">"
     title = CURVES[data.attrs["format"]].title.format(name=scene_of(data).name, **data.attrs)
-    kinds = Counter(map(_kind_name, data["special_kind"].values))
+    kinds = Counter(mark_of(kind)[1] for kind in data["special_kind"].values)
     special = ", ".join(f"{kind} ({count})" for kind, count in kinds.items())
     return f"<{title}: {data.sizes['point']} points" + f"; special: {special}" * bool(special) + ">"
 
@@ -134,7 +129,7 @@ def tables(data: xarray.Dataset) -> list[ResultTable]:
         return []
     if _is_study(data):
         return [_study_table(data)]
-    rows = CURVES[data.attrs["format"]].rows
+    rows = CURVES[data.attrs["format"]].format.rows
     values = {"points": str(data.sizes["point"])}
     for row in rows:
         values |= _curve_rows(data, row)
@@ -172,13 +167,7 @@ def _describe_special(data: xarray.Dataset, rows: tuple[Row, ...]) -> Iterator[s
         said = [
             format_value(value, ".11g", row.unit) for row, value in values if value not in (0, "")
         ]
-        yield f"{_kind_name(kind)} at {', '.join(said) or 0}"
-
-
-def _kind_name(kind: str) -> str:
-    """Return a kind of special point in words."""
-    points = {"hopf": "Hopf point", "branch": "branch point"}
-    return points.get(str(kind), str(kind))
+        yield f"{mark_of(kind)[1]} at {', '.join(said) or 0}"
 
 
 def _study_table(data: xarray.Dataset) -> ResultTable:
@@ -186,7 +175,7 @@ def _study_table(data: xarray.Dataset) -> ResultTable:
     of = StudyResults.subsample(data)
     rows = [(name, "varied", *_bounds_text(*of.axis_values(name))) for name in of.axes]
     rows += [(of.label(name), "kept", *_bounds_text(*of.values_of(name))) for name in of.kept]
-    failed = np.count_nonzero(np.isin(of.status, NO_RESULT))
+    failed = of.failures.sum()
     rows += [("points that failed", "", str(failed), "")] * bool(failed)
     return ResultTable.of_rows(("", "", "least", "largest"), rows)
 

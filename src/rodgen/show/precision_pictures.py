@@ -6,7 +6,7 @@ from __future__ import annotations
 import math
 import re
 from collections.abc import Sequence
-from typing import Any, NamedTuple
+from typing import Any
 
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
@@ -68,35 +68,20 @@ LARGEST, SMALLEST = 10.0, 1e-17  # errors that are drawn
 COLUMNS, LINE = 3, 0.16  # of names below a diagram, and inches that a row of them takes
 
 
-class LineStyle(NamedTuple):
-    """Line of a method: its label, its style, and whether the method is one of rodgen."""
-
-    label: str
-    line: dict[str, Any]
-    ours: bool
-
-
-def line_style(row: Measurement) -> LineStyle:
-    """Return the line of a method, the same everywhere: those of rodgen in colour, with hollow
-    marks for equations in NumPy; those of others grey and dashed."""
+def line_style(row: Measurement) -> dict[str, Any]:
+    """Return the style of the line of a method, the same everywhere: those of rodgen in colour,
+    with hollow marks for equations in NumPy; those of others grey and dashed."""
     method, target, who = (read_text(row, key) for key in ("method", "target", "who"))
-    ours = who in ("", "rodgen")
-    if ours:
+    style: dict[str, Any]
+    if who in ("", "rodgen"):
         colour, mark = own_style(method)
-        style: dict[str, Any] = {
-            "color": colour,
-            "linestyle": "-",
-            "marker": mark,
-            "linewidth": 1.4,
-        }
+        style = {"color": colour, "linestyle": "-", "linewidth": 1.4, "zorder": 3.0}
         style |= {} if target != "numpy" else {"markerfacecolor": "none", "linewidth": 0.9}
     else:
         mark = PEERS.get(who, OTHERS[_stable_hash(who) % len(OTHERS)])
         dashes = (0, DASHES[_stable_hash(method + target) % len(DASHES)])
-        style = {"color": FAINT, "linestyle": dashes, "marker": mark, "linewidth": 1.0}
-    return LineStyle(
-        format_label(row), style | {"markersize": 3.8, "zorder": 3.0 if ours else 2.5}, ours
-    )
+        style = {"color": FAINT, "linestyle": dashes, "linewidth": 1.0, "zorder": 2.5}
+    return style | {"marker": mark, "markersize": 3.8}
 
 
 def own_style(method: str) -> tuple[str, str]:
@@ -207,7 +192,7 @@ def draw_lines(
             errors,
             [read_number(row, cost) for row in ordered],
             label=name,
-            **line_style(ordered[0]).line,
+            **line_style(ordered[0]),
         )
     errors = [_error(row, measure) for row in shown]
     left, right = 2.5 * max(errors), min(errors) / 2.5

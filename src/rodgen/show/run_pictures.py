@@ -29,13 +29,12 @@ from rodgen.show.canvas import (
     SERIES,
     SPECIAL,
     TAIL,
-    make_figure,
+    make_axes,
     set_limits,
 )
 from rodgen.show.time_pictures import (
     NAMED,
     force_intervals,
-    has_bending_moment,
     mark_times,
     moment_map,
     shapes,
@@ -60,9 +59,7 @@ MOST = 500  # steps that are divided at a time: each costs about a millisecond
 def phase_plot(solution: Solution) -> Figure:
     """How far the rod is bent over how fast it bends: tail link relative to first link. States
     between samples are computed where lines between these would have corners."""
-    figure = make_figure(6.0, 5.0)
-    axes = figure.add_subplot()
-    axes.grid(alpha=0.3)
+    figure, (axes,) = make_axes(6.0, 5.0)
     if solution.scene.rod.links > 1:
         labels = (r"$\varphi_{n-1}-\varphi_0$ [rad]", r"$\omega_{n-1}-\omega_0$ [rad/s]")
     else:
@@ -149,7 +146,8 @@ def save_pictures(solution: Solution, folder: Path) -> list[Path]:
     shown = drawable_part(solution)
     if not len(shown.t):
         return []
-    there = {k: draw for k, draw in PICTURES.items() if k != "moment" or has_bending_moment(shown)}
+    bent = shown.bending_moments.any()
+    there = {name: draw for name, draw in PICTURES.items() if name != "moment" or bent}
     for name in PICTURES.keys() - there:  # of an earlier run
         (folder / f"{name}.png").unlink(missing_ok=True)
     return save_figures(((name, draw(shown)) for name, draw in there.items()), folder)
@@ -174,9 +172,7 @@ def save_figures(figures: Iterable[tuple[str, Figure]], folder: Path) -> list[Pa
 def trajectories(solution: Solution) -> Figure:
     """Paths of the centre of gravity and of the tail, with rings at equal intervals of time where a
     path does not go to and fro."""
-    figure = make_figure(6.0, 5.0)
-    axes = figure.add_subplot()
-    axes.grid(alpha=0.3)
+    figure, (axes,) = make_axes(6.0, 5.0)
     t = solution.t
     ticks = MaxNLocator(RINGS, steps=[1, 2, 5, 10]).tick_values(t[0], t[-1])
     times = ticks[(ticks > t[0]) & (ticks < t[-1])]
@@ -221,8 +217,7 @@ def _annotate_path(axes: Axes, solution: Solution) -> None:
 def energies(solution: Solution) -> Figure:
     """Energies and work over time; that of gravity from the start on, as a height far from zero
     swamps all else. Below, the error of the energy balance."""
-    figure = make_figure(6.0, 6.0)
-    axes, below = figure.subplots(2, 1, sharex=True, height_ratios=(2, 1))
+    figure, (axes, below) = make_axes(6.0, 6.0, 2, sharex=True, height_ratios=(2, 1))
     t, energy = solution.t, solution.energy
     gravity = energy.gravity - energy.gravity[0]
     from_start = bool(energy.gravity.any())
@@ -240,17 +235,15 @@ def energies(solution: Solution) -> Figure:
         axes.plot(t, values, color=next(colours), label=label, linewidth=LINE)
     done = [(name, work) for name, work in solution.work.items() if work.any()]
     for (name, work), dashes in zip(done, cycle(DASHES), strict=False):
-        style = {"linestyle": dashes, "color": next(colours), "linewidth": LINE}
+        style: dict[str, Any] = {"linestyle": dashes, "color": next(colours), "linewidth": LINE}
         axes.plot(t, work, label=f"work of {describe(name)}", **style)
     mark_times(axes, solution)
     axes.set(ylabel="energy [J]", title=f"{solution.scene.name}: energies and work")
-    axes.grid(alpha=0.3)
     figure.legend(fontsize="small", loc="outside lower center", ncols=3)
     error = np.abs(solution.energy_balance)
     if np.any(error > 0):
         below.semilogy(t, np.where(error > 0, error, np.nan), color=INK, linewidth=0.8)
     below.set(xlabel="t [s]", ylabel="|balance error| [J]")
-    below.grid(alpha=0.3)
     return figure
 
 

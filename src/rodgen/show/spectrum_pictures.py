@@ -12,7 +12,7 @@ from matplotlib.figure import Figure
 from rodgen.analyse.chaos.lyapunov import Exponents
 from rodgen.analyse.spectrum import Spectrum
 from rodgen.display import Plottable
-from rodgen.show.canvas import ALONG, CURVE, FAINT, LINE, SPECIAL, make_figure
+from rodgen.show.canvas import ALONG, CURVE, FAINT, LINE, SPECIAL, make_axes, make_figure
 
 CURVES = 12  # of means that settle
 NAMED = 6  # of these, with a name each
@@ -21,17 +21,15 @@ SPECTRUM = 3  # exponents from which on there is a picture of all of them
 
 def spectral_density(found: Spectrum) -> Figure:
     """Spectral density over frequency, with a line at every peak."""
-    figure = make_figure(6.5, 4.0)
-    axes = figure.add_subplot()
+    figure, (axes,) = make_axes(6.5, 4.0)
     axes.semilogy(found.bins[1:], found.density[1:], color=CURVE, linewidth=LINE)
     for frequency in found.frequencies:
         axes.axvline(frequency, color=SPECIAL, linewidth=0.8, linestyle=":")
     axes.set(xlabel="frequency [Hz]", ylabel="density [unit^2/Hz]")
-    axes.grid(alpha=0.3)
     return figure
 
 
-def convergence(found: Exponents, name: str) -> Figure:
+def convergence(found: Exponents) -> Figure:
     """Means over time with their errors at the end; from three on, beside them the spectrum."""
     several = len(found.exponents) >= SPECTRUM
     figure = make_figure(9.5 if several else 6.5, 4.0)
@@ -39,7 +37,7 @@ def convergence(found: Exponents, name: str) -> Figure:
     _means(panels[0], found)
     if several:
         _spectrum(panels[1], found)
-    figure.suptitle(f"{name}: Lyapunov exponents", fontsize="medium")
+    figure.suptitle(f"{found.scene.name}: Lyapunov exponents", fontsize="medium")
     return figure
 
 
@@ -80,6 +78,6 @@ def _spectrum(axes: Axes, found: Exponents) -> None:
 
 
 PICTURES_OF: dict[type[Plottable], Mapping[str, Callable[[Any], Figure]]] = {
-    Exponents: {"means": lambda found: convergence(found, found.scene.name)},
+    Exponents: {"means": convergence},
     Spectrum: {"density": spectral_density},
 }

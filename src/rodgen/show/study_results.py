@@ -8,9 +8,11 @@ from functools import cached_property
 from typing import Any
 
 import numpy as np
+from matplotlib.axes import Axes
 from numpy.typing import NDArray
 
-from rodgen.integrate.stepper import FINISHED
+from rodgen.arrays import Array
+from rodgen.integrate.stepper import FINISHED, NO_RESULT
 from rodgen.model.terms import axis_label
 from rodgen.studies.point_arrays import ALWAYS, METHOD
 
@@ -45,15 +47,14 @@ class StudyResults:
     @cached_property
     def is_sample(self) -> bool:
         """Whether its points are a sample."""
-        return tuple(self.dataset["status"].dims) == ("point",) and "point" not in self.axes
+        return bool(self.axes != self.dataset["status"].dims)
 
     @cached_property
     def axes(self) -> tuple[str, ...]:
         """Names of the varied keys."""
         dims = tuple(map(str, self.dataset["status"].dims))
-        if dims != ("point",) or _is_grid(self.dataset):
-            return dims
-        return tuple(str(n) for n, c in self.dataset.coords.items() if c.dims == dims != (n,))
+        coords = self.dataset.coords.items() if dims == ("point",) else ()
+        return tuple(str(n) for n, c in coords if c.dims == dims != (n,)) or dims
 
     @cached_property
     def kept(self) -> list[str]:
@@ -79,19 +80,33 @@ class StudyResults:
         # Text of any length, as stores that are read piece by piece have it, is made plain first.
         return np.asarray(self.dataset["status"].values).astype(object).astype(str)
 
+    @property
+    def failures(self) -> NDArray[np.bool_]:
+        """Whether each point has no result, though it was computed."""
+        return np.isin(self.status, NO_RESULT)
+
     def label(self, name: str) -> str:
         """Return a name with its unit."""
         units = self.dataset[name].attrs.get("units", "") if name in self.dataset else ""
         return f"{name} [{units}]" if units else axis_label(name)
 
-    def axis_values(self, name: str) -> tuple[NDArray[np.float64], list[str]]:
+    def axis_values(self, name: str) -> tuple[Array, list[str]]:
         """Return the values of an axis, as numbers, and their labels where they are text."""
         values = np.asarray(self.dataset[name].values)
         if values.dtype.kind in "iuf":
             return values.astype(float), []
         return np.arange(len(values), dtype=float), [str(value) for value in values]
 
-    def values_of(self, name: str) -> tuple[NDArray[np.float64], list[str]]:
+    def set_axis(self, axes: Axes, name: str, which: str) -> None:
+        """Set scale, label and ticks of an axis of a picture; which: "x" or "y"."""
+        values, texts = self.axis_values(name)
+        if is_logarithmic(values):
+            axes.set(**{f"{which}scale": "log"})
+        axes.set(**{f"{which}label": self.label(name)})
+        if texts:
+            axes.set(**{f"{which}ticks": values, f"{which}ticklabels": texts})
+
+    def values_of(self, name: str) -> tuple[Array, list[str]]:
         """Return a variable at all points, not-a-number where they did not finish; and the classes
         of text and of named whole numbers, in which case the numbers count them."""
         values = np.asarray(self.dataset[name].values)
@@ -103,27 +118,12 @@ class StudyResults:
             return np.where(there, values, np.nan), []
         text = values.dtype.kind not in "iu"
         shown = [str(v) if text else NAMES[name].get(int(v), str(v)) for v in values.flat]
-        found = sorted(
-            {
-                one
-                for one, is_ in zip(shown, np.broadcast_to(there, values.shape).flat, strict=True)
-                if is_
-            }
-        )
-        numbered = {one: at for at, one in enumerate(found)}
-        made = np.array([numbered.get(one, np.nan) for one in shown], dtype=float)
-        return np.where(there, made.reshape(values.shape), np.nan), found
+        classes = np.array(shown, dtype=str).reshape(values.shape)
+        found = np.unique(classes[np.broadcast_to(there, values.shape)])
+        return np.where(there, np.searchsorted(found, classes), np.nan), found.tolist()
 
 
-def _is_grid(dataset: Any) -> bool:
-    return (
-        "point" in dataset.coords
-        and dataset["point"].dims == ("point",)
-        and not any(c.dims == ("point",) for n, c in dataset.coords.items() if n != "point")
-    )
-
-
-def is_logarithmic(values: NDArray[np.float64]) -> bool:
+def is_logarithmic(values: Array) -> bool:
     """Whether values are evenly spaced in their logarithm alone."""
     if len(values) < 3 or not (values > 0).all():
         return False

@@ -16,7 +16,6 @@ from numpy.typing import NDArray
 from rodgen.analyse.spectrum import amplitude_spectrum
 from rodgen.arrays import Array, even_indices
 from rodgen.integrate import Solution
-from rodgen.model.rod import CLAMP_ANGLE
 from rodgen.model.term import FORCE, SPREAD, Term
 from rodgen.model.terms import TERMS
 from rodgen.show.canvas import (
@@ -27,6 +26,7 @@ from rodgen.show.canvas import (
     MOMENTS,
     describe_marks,
     draw_marks,
+    make_axes,
     make_figure,
     set_limits,
 )
@@ -45,8 +45,7 @@ FURTHER = 1.1  # times as far as in the second half, from which the first is dra
 
 def tail_history(solution: Solution) -> Figure:
     """Distance of the tail from the line of the rod's start over time, and its spectrum below."""
-    figure = make_figure(6.4, 5.6)
-    above, below = figure.subplots(2, 1)
+    figure, (above, below) = make_axes(6.4, 5.6, 2)
     signal = tail_deflection(solution)
     above.plot(solution.t, signal, color=CURVE, linewidth=0.8)
     start = "clamp" if solution.scene.boundary_condition.is_clamped else "first link"
@@ -65,22 +64,15 @@ def tail_history(solution: Solution) -> Figure:
     else:
         below.text(0.5, 0.5, "no spectrum: too few samples", ha="center", va="center")
         below.set_axis_off()
-    for axes in (above, below):
-        axes.grid(alpha=0.3)
     return figure
 
 
 def tail_deflection(solution: Solution) -> Array:
     """Return the distance of the tail from the line of the rod's start, positive to its left [m],
     (T,): of the clamp, or of the first link."""
-    scene, joints = solution.scene, solution.joints
-    clamp = getattr(scene.rod, CLAMP_ANGLE.key) or 0.0
-    angle = (
-        np.full(len(solution.t), clamp)
-        if scene.boundary_condition.is_clamped
-        else solution.phi[:, 0]
-    )
-    dx, dy = (joints[:, -1] - joints[:, 0]).T
+    rod, clamped = solution.scene.rod, solution.scene.boundary_condition.is_clamped
+    angle = (rod.clamp_angle or 0.0) if clamped else solution.phi[:, 0]
+    dx, dy = (solution.joints[:, -1] - solution.joints[:, 0]).T
     found: Array = dy * np.cos(angle) - dx * np.sin(angle)
     return found
 
@@ -101,7 +93,7 @@ def moment_map(solution: Solution) -> Figure:
     kept = even_indices(0, len(solution.t) - 1, COLUMNS)
     found = solution.bending_moments[kept]
     axes.set_title(f"{solution.scene.name}: bending moment")
-    if not has_bending_moment(solution):
+    if not solution.bending_moments.any():  # of a chain
         axes.text(0.5, 0.5, "none anywhere, at any time", ha="center", va="center")
         axes.set_axis_off()
         return figure
@@ -117,19 +109,10 @@ def moment_map(solution: Solution) -> Figure:
         shading="nearest" if len(kept) > 1 else "auto",
         rasterized=True,
     )
-    axes.set(
-        xlabel="t [s]",
-        ylabel="s along the rod (1: tail)",
-        ylim=(0.0, 1.0),
-    )
+    axes.set(xlabel="t [s]", ylabel="s along the rod (1: tail)", ylim=(0.0, 1.0))
     mark_times(axes, solution)
     figure.colorbar(mesh, ax=axes, label="bending moment [N m]")
     return figure
-
-
-def has_bending_moment(solution: Solution) -> bool:
-    """Whether there is any bending moment: a chain has none."""
-    return bool(solution.bending_moments.any())
 
 
 def mark_times(axes: Axes, solution: Solution) -> None:
@@ -178,9 +161,7 @@ def shapes(solution: Solution) -> Figure:
     """Rod at twelve times, coloured by time; side by side where it flies so far that it would be a
     dot. Where it swings too often for twelve shapes of the whole run to show that, they are of a
     part of it."""
-    figure = make_figure(6.0, 5.0)
-    axes = figure.add_subplot()
-    axes.grid(alpha=0.3)
+    figure, (axes,) = make_axes(6.0, 5.0)
     scene, samples = solution.scene, _choose_samples(solution)
     t, every, far = solution.t[samples], solution.joints[samples], solution.scene.rod.length
     apart = (

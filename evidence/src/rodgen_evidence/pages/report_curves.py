@@ -12,7 +12,7 @@ from matplotlib.figure import Figure
 from pandas import DataFrame
 
 from rodgen.analyse.precision.contestant import Measurement
-from rodgen.analyse.precision.rows import format_setting, has_result, read_number
+from rodgen.analyse.precision.rows import format_label, format_setting, has_result, read_number
 from rodgen.show.canvas import INK, SERIES, figure_without_window
 from rodgen.show.precision_pictures import (
     MEASURES,
@@ -92,9 +92,9 @@ def growth(rows: Sequence[Measurement]) -> Figure | None:
     figure, frame = make_diagram(WIDTH, HEIGHT, "t [s]", "largest error of an angle [rad]")
     frame.set_yscale("log")
     for at, row in enumerate(shown):
-        style, error = line_style(row), curve(row, "error")
-        line = style.line | {"marker": "", "linestyle": LINES[at % len(LINES)]}
-        name = ", ".join(filter(None, (style.label, format_setting(row))))
+        error = curve(row, "error")
+        line = line_style(row) | {"marker": "", "linestyle": LINES[at % len(LINES)]}
+        name = ", ".join(filter(None, (format_label(row), format_setting(row))))
         frame.plot(curve(row, "t"), np.where(error == 0, math.nan, error), label=name, **line)
         fitted = growth_line(row)
         if fitted:
@@ -143,7 +143,7 @@ def largest_steps(rows: DataFrame) -> Figure | None:
     frame.set(xscale="log", yscale="log")
     for name, some in shown.groupby("method", sort=False):
         line = some.sort_values("n", kind="stable")
-        colour = line_style({"method": name}).line["color"]
+        colour = line_style({"method": name})["color"]
         # A variant of a method lies on the method itself: a ring around the dot.
         ring = {"markerfacecolor": "none", "markersize": 8} if "," in name else {"markersize": 4.5}
         frame.plot(line["n"], line["found"], "o", color=colour, label=name, **ring)
@@ -177,7 +177,7 @@ def orders(contents: Contents) -> Figure | None:
             order = read_number(some[0], "order")
             found = f"{method}: slope of the last two {slope:.2f} (order {order:g})"
         steps, errors = zip(*shown, strict=True) if shown else ((), ())
-        frame.plot(steps, errors, label=found, **line_style(some[0]).line)
+        frame.plot(steps, errors, label=found, **line_style(some[0]))
     label_logarithmic(frame)
     return add_legend(figure, 1)
 
@@ -212,7 +212,7 @@ def _look_of_who(name: str) -> dict[str, Any]:
     """Ours in colour, by method, form or target; others as everywhere."""
     words = re.split(r"[^a-z0-9_]+", name.lower())
     if words[0] not in ("rodgen", "c", "numpy"):
-        return line_style({"who": re.split(r"[ ,]", name)[0], "method": name}).line
+        return line_style({"who": re.split(r"[ ,]", name)[0], "method": name})
     looks = {**{method: own_style(method) for method in OURS}, **OF_FORM}
     shown = [one for word, one in looks.items() if word in words]
     colour, mark = shown[0] if shown else (OF_RODGEN, "o")

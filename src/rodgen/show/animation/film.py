@@ -8,6 +8,7 @@ import tempfile
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from matplotlib.lines import Line2D
@@ -79,25 +80,17 @@ class Video:
 
 
 def animate(
-    solution: Solution,
-    path: Path,
-    *,
-    fps: float = 30.0,
-    speed: float | None = None,
-    view: str | None = None,
-    width: int = 1280,
-    height: int = 720,
-    bounds: tuple[float | None, float | None] = (None, None),
-    progress: Progress | None = None,
+    solution: Solution, path: Path, progress: Progress | None = None, **settings: Any
 ) -> Film:
-    """Write an animation of a solution, .mp4 or .gif, whole or not at all; see FilmSettings.
+    """Write an animation of a solution, .mp4 or .gif, whole or not at all; settings: those of
+    FilmSettings.
 
     progress is told the simulated time [s] of every frame; what it raises ends the work. Can be
     called in any thread. Raises InputError for what cannot be used.
     """
-    settings = FilmSettings(fps, speed, view, width, height, bounds)
-    planned = plan_frames(solution.t, settings)
-    return write_film(solution.isel(planned.kept), planned, path, settings, progress)
+    how = FilmSettings(**settings)
+    planned = plan_frames(solution.t, how)
+    return write_film(solution.isel(planned.kept), planned, path, how, progress)
 
 
 def write_film(
@@ -127,16 +120,15 @@ def write_film(
     return Film(count, count / settings.fps, planned.speed, picture.camera.view, tuple(notes))
 
 
-def make_video(solution: Solution, settings: FilmSettings) -> Video:
-    """Make a film of a run in memory, MP4 where that can be made, else GIF; behind a bar. Raises
-    InputError for what cannot be used."""
+def make_video(solution: Solution, width: int, **settings: Any) -> Video:
+    """Make a film of a run in memory, MP4 where that can be made, else GIF; behind a bar. settings:
+    those of FilmSettings. Raises InputError for what cannot be used."""
     ending = ".gif" if find_ffmpeg() is None else ".mp4"
     first, last = (float(solution.t[at]) for at in (0, -1)) if len(solution.t) else (0.0, 0.0)
     with tempfile.TemporaryDirectory() as folder, show_run("drawing", first, last) as update:
         path = Path(folder) / f"film{ending}"
-        planned = plan_frames(solution.t, settings)
-        made = write_film(solution.isel(planned.kept), planned, path, settings, update)
-        return Video(path.read_bytes(), ending, made, settings.width)
+        made = animate(solution, path, update, width=width, **settings)
+        return Video(path.read_bytes(), ending, made, width)
 
 
 def _drawable_frames(solution: Solution, planned: FramePlan) -> tuple[NDArray[np.intp], list[str]]:

@@ -63,7 +63,7 @@ def open_writer(
     """Open a film, and yield the function that adds a frame (height, width, 4); colours: returns
     some frames with the colours of the film, one above the other."""
     if ending == ".gif":
-        with open(path, "wb") as file, open_gif(file, settings.fps, colours()) as add:
+        with _open_gif(path, settings.fps, colours()) as add:
             yield add
     else:
         with _open_mp4(path, settings) as add:
@@ -130,12 +130,9 @@ class Palette(NamedTuple):
 
 
 @contextmanager
-def open_gif(file: IO[bytes], fps: float, colours: Pixels) -> Iterator[Callable[[Pixels], None]]:
-    """Write a GIF that repeats; yields the function that adds a frame (height, width, 4) to it.
-
-    colours: frames with those of the film, one above the other. Frames are written as they come:
-    Pillow itself would keep all of them until the end.
-    """
+def _open_gif(path: Path, fps: float, colours: Pixels) -> Iterator[Writer]:
+    """Open a GIF that repeats. Frames are written as they come: Pillow itself would keep all of
+    them until the end."""
     palette = _make_palette(colours)
     before: Pixels | None = None
     ticks = 0.0  # hundredths of a second, the unit of GIF
@@ -155,8 +152,9 @@ def open_gif(file: IO[bytes], fps: float, colours: Pixels) -> Iterator[Callable[
         file.write(b"".join(GifImagePlugin.getdata(changed, corner, **how)))
         before = frame.copy()
 
-    yield add_frame
-    file.write(b";")
+    with open(path, "wb") as file:
+        yield add_frame
+        file.write(b";")
 
 
 def _make_palette(frames: Pixels) -> Palette:

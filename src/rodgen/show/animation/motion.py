@@ -136,10 +136,7 @@ class Camera:
         """Rotate vectors of the world (S, ..., 2) into the picture."""
         if self.view != "axes":
             return vectors
-        shape = len(vectors), *(1,) * (vectors.ndim - 2)
-        cos, sin = np.cos(self.angle).reshape(shape), np.sin(self.angle).reshape(shape)
-        x, y = vectors[..., 0], vectors[..., 1]
-        return np.stack((cos * x + sin * y, cos * y - sin * x), axis=-1)
+        return _turn(vectors, self.angle.reshape(len(vectors), *(1,) * (vectors.ndim - 2)))
 
     def angle_of(self, k: int) -> float:
         """Return the angle by which the picture of sample k is turned against the world [rad]."""
@@ -147,22 +144,22 @@ class Camera:
 
     def to_picture_at(self, k: int, points: Array) -> Array:
         """Transform points of the world (P, 2) into the picture of sample k."""
-        x, y = (points - self.origin[k]).T
-        cos, sin = math.cos(self.angle_of(k)), math.sin(self.angle_of(k))
-        return np.stack((cos * x + sin * y, cos * y - sin * x), axis=-1)
+        return _turn(points - self.origin[k], self.angle_of(k))
+
+
+def _turn(vectors: Array, angle: Array | float) -> Array:
+    """Return vectors (..., 2) as axes see them that are turned by an angle [rad]."""
+    (x, y), cos, sin = np.moveaxis(vectors, -1, 0), np.cos(angle), np.sin(angle)
+    return np.stack((cos * x + sin * y, cos * y - sin * x), axis=-1)
 
 
 def choose_camera(motion: MotionSamples, view: str | None, aspect: float, length: float) -> Camera:
     """Make the camera of a view, chosen where it is None; aspect: width over height of what is
     seen; length: of the rod [m]."""
-    if view is not None:
-        return _make_camera(motion, view, aspect)
-    fixed = _make_camera(motion, "fixed", aspect)
-    return (
-        fixed
-        if length >= 2 * SMALLEST_ROD * fixed.half[1]
-        else _make_camera(motion, "centre", aspect)
-    )
+    camera = _make_camera(motion, view or "fixed", aspect)
+    if view is None and length < 2 * SMALLEST_ROD * camera.half[1]:
+        return _make_camera(motion, "centre", aspect)
+    return camera
 
 
 def _make_camera(motion: MotionSamples, view: str, aspect: float) -> Camera:
@@ -177,16 +174,10 @@ def _make_camera(motion: MotionSamples, view: str, aspect: float) -> Camera:
     height = max(half[1], half[0] / aspect) * MARGIN[bool(motion.loads)]
     around = np.array([aspect * height, height])
     if np.abs(middle).max() > FAR * height:
-        near = _round_point(middle, height)
-        return Camera(view, origin + near, motion.axis, middle - near, around)
+        unit = 10.0 ** math.ceil(math.log10(height))
+        near = unit * np.round(middle / unit)
+        origin, middle = origin + near, middle - near
     return Camera(view, origin, motion.axis, middle, around)
-
-
-def _round_point(point: Array, size: float) -> Array:
-    """Round a point to whole units of a power of ten, the first not below this size."""
-    unit = 10.0 ** math.ceil(math.log10(size))
-    near: Array = unit * np.round(point / unit)
-    return near
 
 
 def ground_grid(origin: Array, angle: float, step: float, reach: float) -> Array:
@@ -200,6 +191,4 @@ def ground_grid(origin: Array, angle: float, step: float, reach: float) -> Array
     level = np.stack((ends, np.broadcast_to((at + near[1])[:, None], ends.shape)), axis=-1)
     gapped = np.full((2 * len(at), 3, 2), np.nan)
     gapped[:, :2] = np.concatenate((upright, level))
-    x, y = gapped.reshape(-1, 2).T
-    cos, sin = math.cos(angle), math.sin(angle)
-    return np.stack((cos * x + sin * y, cos * y - sin * x), axis=-1)
+    return _turn(gapped.reshape(-1, 2), angle)

@@ -22,7 +22,7 @@ from rodgen.model.term import FORCE
 from rodgen.model.terms import TERMS
 from rodgen.scene import Scene
 from rodgen.show.animation.frame_times import FilmSettings
-from rodgen.show.animation.motion import Camera, LoadSamples, MotionSamples
+from rodgen.show.animation.motion import Camera, MotionSamples
 from rodgen.show.canvas import BODY, CENTRE, GUIDE, INK, MOMENTS, PAPER, TAIL
 
 GRID: dict[str, Any] = {"color": GUIDE, "alpha": 0.45, "linewidth": 0.7}
@@ -196,7 +196,7 @@ class LoadArrows:
         self._force = {
             name: camera.rotate(load.force)
             for name, load in motion.loads.items()
-            if _has_force(load)
+            if np.any(load.force)
         }
         self.names = tuple(self._force)
         self._stage = stage
@@ -265,10 +265,6 @@ class LoadArrows:
             self._quiver.set_offsets(point)
             self._quiver.set_UVC(*force.T)
             self._stage.axes.draw_artist(self._quiver)
-
-
-def _has_force(load: LoadSamples) -> bool:
-    return bool(np.any(load.force))
 
 
 def _round_down(largest: float) -> float:
