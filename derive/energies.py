@@ -10,7 +10,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property, partial
 
-from sympy import Add, Eq, Expr, Piecewise, S, Sum, collect, cos, expand, sin
+from sympy import Add, Eq, Expr, Piecewise, S, Sum, Symbol, collect, cos, expand, sin
 from sympy.physics.mechanics import dynamicsymbols
 
 from .chain import (
@@ -25,7 +25,8 @@ from .chain import (
     spring_potential,
 )
 from .general import GeneralEquations
-from .link_properties import Rod
+from .generic_chain import AtSprings
+from .link_properties import Joint
 from .loads import supports
 from .loads.kinds import AppliedForces, MassForce
 from .polynomials import TIME
@@ -117,10 +118,9 @@ class Quantities:
     @cached_property
     def reaction_moment(self) -> Expr:
         """Moment [N m] of the clamps on the links that move, by springs and dampers."""
-        equations = self.equations
-        first = equations.boundary_condition.first
-        start = equations.inner_moment.subs(s, first) if first else equations.root_moment
-        return start - equations.tail_moment
+        inner, root, tail = self.equations.moments
+        first = self.equations.boundary_condition.first
+        return (inner.subs(s, first) if first else root) - tail
 
     @cached_property
     def support_forces(self) -> tuple[Expr, ...]:
@@ -142,43 +142,32 @@ class Quantities:
     def curvature(self) -> Expr:
         """Curvature at the spring in joint s [1/m]: its moment in an even rod over the bending
         stiffness."""
-        boundary, length = self.equations.boundary_condition, k * l
-        ends = (
-            (ALPHA, phi[0], boundary.root),
-            (phi[n - 1], ALPHA, boundary.tail),
-            (phi[s - 1], phi[s], 1),
-        )
-        even = Rod()
-        root, tail, inner = (
-            spring_moment(before, after, even.stiffness(s, size) / length)
-            for before, after, size in ends
-        )
-        return Piecewise((root, Eq(s, 0)), (tail, Eq(s, n)), (inner, True))
+
+        def bend(before: Expr, after: Expr, spring: Joint) -> Expr:
+            return spring_moment(before, after, spring.size / l)
+
+        return _piecewise_at_ends(self.equations.at_springs(bend, phi, ALPHA), s)
 
     @cached_property
     def spring_energy(self) -> Expr:
         """Energy of all springs [J]."""
-        root, tail, inner = self._spring_values(s, spring_potential)
-        return root + tail + Sum(inner, (s, 1, n - 1))
 
-    def _spring_values(self, at: Expr, of: Callable[..., Expr]) -> list[Expr]:
-        """Values of ``of`` for the springs in the root, in the tail and in an inner joint."""
-        boundary, rod = self.equations.boundary_condition, self.equations.rod
-        springs = (
-            (ALPHA, phi[0], rod.stiffness(0, boundary.root)),
-            (phi[n - 1], ALPHA, rod.stiffness(n, boundary.tail)),
-            (phi[at - 1], phi[at], rod.stiffness(at)),
-        )
-        return [of(*spring, self.equations.law) for spring in springs]
+        def energy_of(before: Expr, after: Expr, spring: Joint) -> Expr:
+            return spring_potential(before, after, spring.stiffness, self.equations.law)
+
+        inner, root, tail = self.equations.at_springs(energy_of, phi, ALPHA)
+        return root + tail + Sum(inner, (s, 1, n - 1))
 
     @cached_property
     def bending_moment(self) -> Expr:
         """Moment of the spring in a joint on the link before it [N m]; zero without a spring."""
-        moments = self._spring_values(joint, spring_moment)
-        if self.equations.law == LINEAR:
-            moments = [collect(expand(moment), k) for moment in moments]
-        root, tail, inner = moments
-        return Piecewise((root, Eq(joint, 0)), (tail, Eq(joint, n)), (inner, True))
+        law = self.equations.law
+
+        def moment_of(before: Expr, after: Expr, spring: Joint) -> Expr:
+            moment = spring_moment(before, after, spring.stiffness, law)
+            return collect(expand(moment), k) if law == LINEAR else moment
+
+        return _piecewise_at_ends(self.equations.at_springs(moment_of, phi, ALPHA, joint), joint)
 
     @cached_property
     def anchor_energy(self) -> Expr:
@@ -242,6 +231,11 @@ class Quantities:
         mass = self.equations.rod.mass(i)
         first, second, third = (Sum(mass * value, (i, 0, n - 1)) for value in means)
         return first, second, third
+
+
+def _piecewise_at_ends(of: AtSprings, index: Symbol) -> Expr:
+    """Value for the spring in the joint of an index."""
+    return Piecewise((of.root, Eq(index, 0)), (of.tail, Eq(index, n)), (of.inner, True))
 
 
 def _piecewise_by_link(total: Expr) -> Expr:

@@ -12,6 +12,7 @@ from dataclasses import dataclass
 from functools import cached_property
 
 from sympy import (
+    Add,
     Eq,
     Expr,
     IndexedBase,
@@ -35,7 +36,8 @@ from .chain import (
     link_step,
     spring_moment,
 )
-from .generic_chain import GenericChain
+from .generic_chain import AtSprings, GenericChain
+from .link_properties import Joint
 from .loads import loads_of
 from .loads.kinds import GeneralisedForces, JointMoment, Load
 from .symbols import (
@@ -133,9 +135,8 @@ class GeneralEquations(GenericChain):
     @cached_property
     def mass_base_link(self) -> Vector:
         """M_0i and M_1i."""
-        return self._integrate_over_mass(self._generic.mass[0][2]), self._integrate_over_mass(
-            self._generic.mass[1][2]
-        )
+        x, y = (self._integrate_over_mass(self._generic.mass[row][2]) for row in (0, 1))
+        return x, y
 
     @cached_property
     def mass_link(self) -> Expr:
@@ -161,53 +162,29 @@ class GeneralEquations(GenericChain):
     # Moments across the joints ----------------------------------------------------------------
 
     @cached_property
-    def spring(self) -> Expr:
-        """Moment of the spring in joint s on the link after it; that before gets the opposite."""
-        return self._spring_moment(phi[s - 1], phi[s], self.rod.stiffness(s))
+    def springs(self) -> AtSprings:
+        """Moments of springs on the link, or the clamp of the tail, after each joint, where that
+        before gets the opposite; zero where there is no spring."""
+        return self.at_springs(self._spring_moment, phi, ALPHA)
 
-    @cached_property
-    def root_spring(self) -> Expr:
-        """Moment of the root spring on link 0; zero where there is none."""
-        return self._spring_moment(
-            ALPHA, phi[0], self.rod.stiffness(0, self.boundary_condition.root)
-        )
-
-    @cached_property
-    def tail_spring(self) -> Expr:
-        """Moment of the spring in the tail on its clamp; zero where there is none."""
-        return self._spring_moment(
-            phi[n - 1], ALPHA, self.rod.stiffness(n, self.boundary_condition.tail)
-        )
-
-    def _spring_moment(self, before: Expr, after: Expr, stiffness: Expr) -> Expr:
-        moment = -spring_moment(before, after, stiffness, self.law)
+    def _spring_moment(self, before: Expr, after: Expr, spring: Joint) -> Expr:
+        moment = -spring_moment(before, after, spring.stiffness, self.law)
         return factor(moment) if self.law == LINEAR else moment
 
     @cached_property
-    def inner_moment(self) -> Expr:
-        """Total moment in joint s, between two links, on the link after it."""
-        return sum((load.inner_moment(self) for load in self._dampers), start=self.spring)
-
-    @cached_property
-    def root_moment(self) -> Expr:
-        """Total moment in joint 0 on link 0."""
-        return sum((load.root_moment(self) for load in self._dampers), start=self.root_spring)
-
-    @cached_property
-    def tail_moment(self) -> Expr:
-        """Total moment in joint n on the clamp of the tail."""
-        return sum((load.tail_moment(self) for load in self._dampers), start=self.tail_spring)
-
-    @property
-    def _dampers(self) -> list[JointMoment]:
-        return [load for load in self.loads.values() if isinstance(load, JointMoment)]
+    def moments(self) -> AtSprings:
+        """Total moments on the link, or the clamp of the tail, after each joint."""
+        dampers = [load for load in self.loads.values() if isinstance(load, JointMoment)]
+        parts = zip(self.springs, *(load.moments(self) for load in dampers), strict=True)
+        return AtSprings(*(Add(*part) for part in parts))
 
     @cached_property
     def joint_moment(self) -> Expr:
         """Total moment in joint s on the link after it, or on the clamp of the tail."""
-        ends = [(self.root_moment, Eq(s, 0))] if self.boundary_condition.root else []
-        ends += [(self.tail_moment, Eq(s, n))] if self.boundary_condition.tail else []
-        return Piecewise(*ends, (self.inner_moment, True)) if ends else self.inner_moment
+        inner, root, tail = self.moments
+        ends = [(root, Eq(s, 0))] if self.boundary_condition.root else []
+        ends += [(tail, Eq(s, n))] if self.boundary_condition.tail else []
+        return Piecewise(*ends, (inner, True)) if ends else inner
 
     @cached_property
     def link_moment(self) -> Expr:

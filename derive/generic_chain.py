@@ -3,14 +3,16 @@ derivation 2 come; sums of levers over its mass, virtual work of forces."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cache, cached_property
 from math import prod
+from typing import NamedTuple
 
 from sympy import (
     Eq,
     Expr,
+    IndexedBase,
     Matrix,
     Piecewise,
     Poly,
@@ -29,9 +31,9 @@ from sympy.physics.mechanics import LagrangesMethod, dynamicsymbols
 from rodgen.model.rod import BOUNDARIES, Boundary
 
 from .chain import AFTER, BEFORE, OWN, Vector, combine, lever, normal_angle, side_lever
-from .link_properties import Rod
+from .link_properties import Joint, Rod
 from .polynomials import TIME
-from .symbols import eta, i, joint, n, other, phi, xi
+from .symbols import eta, i, joint, n, other, phi, s, xi
 
 
 @dataclass(frozen=True)
@@ -89,6 +91,14 @@ def _by_lever(entry: Expr, levers: Sequence[Symbol]) -> Expr:
     return sum(products, start=S.Zero)
 
 
+class AtSprings(NamedTuple):
+    """Values for the springs in joint s between two links, in the root and in the tail."""
+
+    inner: Expr
+    root: Expr
+    tail: Expr
+
+
 class GenericChain:
     """A chain with n links for every n, before its loads and its equations.
 
@@ -112,6 +122,22 @@ class GenericChain:
     @cached_property
     def _generic(self) -> MassPoint:
         return mass_point(self.rod.has_offset_mass)
+
+    def at_springs(
+        self,
+        of: Callable[[Expr, Expr, Joint], Expr],
+        numbers: IndexedBase,
+        clamp: Expr,
+        at: Symbol = s,
+    ) -> AtSprings:
+        """Values of a function of the numbers of the links before and after a joint, or of the
+        clamp there, and of the spring in the joint. at: index of an inner joint."""
+        boundary, joint = self.boundary_condition, self.rod.joint
+        return AtSprings(
+            of(numbers[at - 1], numbers[at], joint(at)),
+            of(clamp, numbers[0], joint(0, boundary.root)),
+            of(numbers[n - 1], clamp, joint(n, boundary.tail)),
+        )
 
     def lever_moment(
         self, links: Sequence[Expr], powers: Sequence[int], sides: Sequence[int] = ()
@@ -152,9 +178,8 @@ class GenericChain:
     def angle_force_of_mass(self, force: Vector) -> Expr:
         """Generalised force on the angle of link i by a force on every unit of mass."""
         work = self.lever_moment([i], [1]) * self.angle_force(force)
-        if (
-            self.rod.has_offset_mass
-        ):  # what is moved by a lever across is moved along the link, backwards
+        if self.rod.has_offset_mass:
+            # What is moved by a lever across is moved along the link, backwards.
             work += self.lever_moment([i], [0], [1]) * self.angle_force((force[1], -force[0]))
         return work
 

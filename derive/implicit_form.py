@@ -22,8 +22,9 @@ from .loads.joint_drag import divisor
 from .symbols import i, joint_vx, joint_vy, joint_x, joint_y, n, omega, phi, s
 
 UNKNOWNS = (alpha, lambda_x, lambda_y)
-# Cells before, own and after; joints at the start and at the end of a link.
-NEIGHBOURS, JOINTS = (-1, 0, 1), (0, 1)
+# What is differentiated by, in cells, and at the joints at the start and at the end of a link.
+CELLS = {"angle": (phi,), "rate": (omega,), "unknown": UNKNOWNS}
+JOINTS = {"velocity": (joint_vx, joint_vy), "position": (joint_x, joint_y)}
 
 
 @dataclass(frozen=True)
@@ -37,7 +38,7 @@ class _Place:
 @dataclass(frozen=True)
 class ImplicitForm:
     """Residual of the cell of link i (rows: turning, and the joint before it in x and y), and its
-    derivatives by offset of the cell or joint: columns of angles and rates (3x1), of unknowns
+    derivatives by those around it: columns of angles and rates (3x1), of unknowns
     (3x3), and of joint velocities and positions (3x2, by which only forces on joints change)."""
 
     equations: GeneralEquations
@@ -48,26 +49,17 @@ class ImplicitForm:
         return self._piecewise(list(self._residuals.values()))
 
     @cached_property
-    def by_angle(self) -> dict[int, Matrix]:
-        return {d: self._derivative([phi[i + d]], d) for d in NEIGHBOURS}
-
-    @cached_property
-    def by_rate(self) -> dict[int, Matrix]:
-        return {d: self._derivative([omega[i + d]], d) for d in NEIGHBOURS}
-
-    @cached_property
-    def by_unknown(self) -> dict[int, Matrix]:
-        return {d: self._derivative([u[i + d] for u in UNKNOWNS], d) for d in NEIGHBOURS}
-
-    @cached_property
-    def by_velocity(self) -> dict[int, Matrix]:
-        """Derivatives by the velocities of joints i and i + 1."""
-        return {d: self._derivative([joint_vx[i + d], joint_vy[i + d]], 0) for d in JOINTS}
-
-    @cached_property
-    def by_position(self) -> dict[int, Matrix]:
-        """Derivatives by the positions of joints i and i + 1."""
-        return {d: self._derivative([joint_x[i + d], joint_y[i + d]], 0) for d in JOINTS}
+    def derivatives(self) -> dict[str, list[Matrix]]:
+        """Derivatives of the residual: by angles, rates and unknowns of the cells before, own and
+        after, by velocities and positions of the joints i and i + 1."""
+        found = {
+            kind: [self._derivative([of[i + d] for of in bases], d) for d in (-1, 0, 1)]
+            for kind, bases in CELLS.items()
+        }
+        return found | {
+            kind: [self._derivative([of[i + d] for of in bases], 0) for d in (0, 1)]
+            for kind, bases in JOINTS.items()
+        }
 
     @cached_property
     def link_velocity_derivatives(self) -> tuple[Matrix, Matrix]:
@@ -90,23 +82,16 @@ class ImplicitForm:
         rows = self._with_tail(-chain.start_constraint(i), chain, place)
         return self._with_laws(rows, place)
 
-    def base_derivatives(self, links: int) -> dict[str, dict[int, Matrix]]:
+    def base_derivatives(self, links: int) -> dict[str, list[Matrix]]:
         """Derivatives of `base_acceleration` by angles, rates and unknowns of the cells 0 and 1 and
-        by the velocities and positions of joints 0 and 1, each by offset."""
+        by the velocities and positions of joints 0 and 1."""
         rows = self.base_acceleration(links)
-        kinds = {
-            "angle": (phi,),
-            "rate": (omega,),
-            "unknown": UNKNOWNS,
-            "velocity": (joint_vx, joint_vy),
-            "position": (joint_x, joint_y),
-        }
         return {
-            kind: {
-                d: Matrix([[self._partial(e, base[i + d]) for base in bases] for e in rows])
+            kind: [
+                Matrix([[self._partial(e, base[i + d]) for base in bases] for e in rows])
                 for d in (0, 1)
-            }
-            for kind, bases in kinds.items()
+            ]
+            for kind, bases in (CELLS | JOINTS).items()
         }
 
     # Cases ------------------------------------------------------------------------------------
@@ -168,8 +153,7 @@ class ImplicitForm:
         return rows.xreplace(given).subs(phi[n - 1], phi[i])
 
     def _joint_rows(self, chain: JointForceSystem, place: _Place) -> Sequence[Expr]:
-        """Rows of the joint before link i: its constraint or, at a free start with no link before
-        it, the given force."""
+        """Rows of the joint before link i: its constraint or, at a free start, the given force."""
         boundary = self.equations.boundary_condition
         if place.first and boundary.translates:
             given = load_on(self.equations, i, chain.multiplier_mass)
@@ -181,12 +165,12 @@ class ImplicitForm:
 
     def _link_moment(self, place: _Place) -> Expr:
         """Moment on link i of the joints at both its ends."""
-        equations = self.equations
-        start, end = (equations.inner_moment.subs(s, at) for at in (i, i + 1))
-        if place.first and not equations.boundary_condition.first:
-            start = equations.root_moment.xreplace({phi[0]: phi[i], omega[0]: omega[i]})
+        inner, root, tail = self.equations.moments
+        start, end = (inner.subs(s, at) for at in (i, i + 1))
+        if place.first and not self.equations.boundary_condition.first:
+            start = root.xreplace({phi[0]: phi[i], omega[0]: omega[i]})
         if place.last:
-            end = equations.tail_moment.subs(n, i + 1)
+            end = tail.subs(n, i + 1)
         return start - end
 
     def _with_laws(self, rows: Matrix, place: _Place) -> Matrix:

@@ -205,8 +205,7 @@ class JointForceSystem:
         return m
 
     def end_constraint(self, link: Expr) -> Matrix:
-        """Part of a link in the constraint of the joint after it, its angular acceleration kept as
-        alpha."""
+        """Part of a link in the constraint of the joint after it, its turning kept as alpha."""
         return self._constraint(self._cell.end, self._cell.end_rate, link)
 
     def start_constraint(self, link: Expr) -> Matrix:
@@ -254,12 +253,11 @@ class JointForceSystem:
             right = piecewise_at_first(first, alone.applyfunc(collect_terms), right)
         link = Array(alpha, i, Integer(boundary.first), n - 1, S.Zero)
         values = self._array_values | dict(zip(blocks, _upper_entries(starts), strict=True))
-        if not alike:
-            values |= dict(zip(end_blocks, _upper_entries(ends), strict=True))
-        values[free_alpha] = collect_terms(self._free_accelerations(i)[2])
         values |= dict(zip(pull, pull_start.applyfunc(collect_terms), strict=True))
         if not alike:
+            values |= dict(zip(end_blocks, _upper_entries(ends), strict=True))
             values |= dict(zip(push, pull_end.applyfunc(collect_terms), strict=True))
+        values[free_alpha] = collect_terms(self._free_accelerations(i)[2])
         arrays = {base: replace(link, base=base, value=value) for base, value in values.items()}
         start = tuple(-e for e in load_on(self.equations, Integer(0), m))
         held = self._accelerations_by(Matrix([lambda_x[i], lambda_y[i]]), cell.start, i)

@@ -23,7 +23,7 @@ own_mass, own_rate = (IndexedBase(name, real=True) for name in ("own_mass", "own
 
 
 @dataclass(frozen=True)
-class Tank:
+class ChangingBody:
     """A body whose mass changes with time, by the names of its numbers, and its link."""
 
     name: str
@@ -42,12 +42,12 @@ Part = tuple[Expr, Expr, Expr, Expr, Expr, Expr]
 
 @dataclass(frozen=True)
 class VariableMasses:
-    """Masses of a rod, some of which change with time. own: whether those of the links do; tanks:
+    """Masses of a rod, some of which change with time. own: whether those of the links do; bodies:
     the bodies that do."""
 
     equations: GeneralEquations
     own: bool
-    tanks: Sequence[Tank]
+    bodies: Sequence[ChangingBody]
 
     @property
     def _has_bodies(self) -> bool:
@@ -60,22 +60,22 @@ class VariableMasses:
         if not self._has_bodies:
             return {link_mass: own_mass[i]}
         always = [self._steady_part, *([self._link_part] if self.own else [])]
-        cases = [(at, [t for t in self.tanks if t.link == at]) for at in self._links]
+        cases = [(at, [t for t in self.bodies if t.link == at]) for at in self._links]
         found = {}
         for place, base in enumerate((link_mass, *centre, *spread)):
-            with_tanks = [
-                (self._combine(place, [*always, *map(self._tank_part, tanks)]), Eq(i, at))
-                for at, tanks in cases
+            with_bodies = [
+                (self._combine(place, [*always, *map(self._body_part, bodies)]), Eq(i, at))
+                for at, bodies in cases
             ]
             whole = self._combine(place, always)
-            found[base] = Piecewise(*with_tanks, (whole, True)) if with_tanks else whole
+            found[base] = Piecewise(*with_bodies, (whole, True)) if with_bodies else whole
         if "points" in self.equations.nonuniform:
             found = {base: found[base] for base in (link_mass, centre[0])}
         return found
 
     @property
     def _links(self) -> list[int]:
-        return sorted({tank.link for tank in self.tanks})
+        return sorted({body.link for body in self.bodies})
 
     @property
     def _steady_part(self) -> Part:
@@ -93,9 +93,9 @@ class VariableMasses:
         own = own_mass[i]
         return own, HALF, S.Zero, own * Rational(1, 12), S.Zero, S.Zero
 
-    def _tank_part(self, tank: Tank) -> Part:
-        spread = tank.number("spread")
-        mass, a, b = map(tank.number, ("mass", "along", "across"))
+    def _body_part(self, body: ChangingBody) -> Part:
+        spread = body.number("spread")
+        mass, a, b = map(body.number, ("mass", "along", "across"))
         return mass, a, b, spread, spread, S.Zero
 
     def _combine(self, place: int, parts: Sequence[Part]) -> Expr:
@@ -125,10 +125,10 @@ class VariableMasses:
                 total += Sum(
                     _with_mass(of, own_rate[i], HALF, S.Zero, Rational(1, 12)), (i, low, high)
                 )
-            for tank in self.tanks:
-                if tank.link >= low:
-                    mass, a, b = map(tank.number, ("mass_rate", "along", "across"))
-                    total += _with_mass(of, mass, a, b, S.Zero).subs(i, tank.link)
+            for body in self.bodies:
+                if body.link >= low:
+                    mass, a, b = map(body.number, ("mass_rate", "along", "across"))
+                    total += _with_mass(of, mass, a, b, S.Zero).subs(i, body.link)
         return total
 
 

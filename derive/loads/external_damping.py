@@ -18,7 +18,7 @@ class ExternalDamping(JointDrag):
     |sin(angle of v - angle of the rod)| the share of v across the rod."""
 
     letter = "D_e"
-    name = "drag"
+    array_name = "drag"
 
     def force(self, joint: JointMotion) -> Vector:
         across = abs(joint.vy * cos(joint.angle) - joint.vx * sin(joint.angle))

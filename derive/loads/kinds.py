@@ -32,7 +32,7 @@ from rodgen.model.terms import TERMS
 from ..chain import Vector
 from ..closed_form import ClosedForm, Num, Pair
 from ..explicit_chain import ExplicitChain
-from ..generic_chain import GenericChain
+from ..generic_chain import AtSprings, GenericChain
 from ..link_properties import Joint
 from ..polynomials import TIME
 from ..symbols import PARAMETERS, joint, joint_vx, joint_vy, n, omega, s
@@ -52,8 +52,7 @@ class GeneralisedForces:
 
 @dataclass(frozen=True)
 class AppliedForces:
-    """A load as forces [N] on the joints from ``low`` to ``high``; on one joint where these are the
-    same."""
+    """A load as forces [N] on the joints from ``low`` to ``high``, which may be one joint."""
 
     low: Expr
     high: Expr
@@ -64,26 +63,27 @@ class Load(ABC):
     """Base class of loads and kinds of damping; methods not overridden have no effect.
 
     letter: of its generalised forces, in proofs; conservative: it has a potential; by_velocity,
-    by_position: it follows those of the joints.
+    by_position: it follows those of the joints; array_name: what the arrays of its forces on joints
+    are called after, by default its term.
     """
 
     letter: str
+    array_name = ""
     conservative = False
     by_velocity = False
     by_position = False
 
-    _name = ""
+    _term = ""
 
     @property
     def term(self) -> str:
-        """Name in scenes and modules: that of its file, with a number where it is not the first of
-        a scene."""
-        return self._name or type(self).__module__.rpartition(".")[2]
+        """Name in scenes and modules: that of its file, with a number if it is not the first."""
+        return self._term or type(self).__module__.rpartition(".")[2]
 
     def at_place(self, name: str, place: str) -> Self:
         """Copy of the load with another name and a place, as `load_places` has them."""
         found = copy(self)
-        found._name = name
+        found._term = name
         return found
 
     @property
@@ -99,6 +99,13 @@ class Load(ABC):
     def angles(self) -> tuple[Symbol, ...]:
         """Parameters whose cosine and sine are taken."""
         return tuple(PARAMETERS[row.name] for row in self._rows if row.is_angle)
+
+    @property
+    def bases(self) -> tuple[IndexedBase, IndexedBase]:
+        """Components of the forces on the joints."""
+        name = self.array_name or f"joint_{self.term}"
+        x, y = (IndexedBase(f"{name}_{axis}", real=True) for axis in "xy")
+        return x, y
 
     @property
     def force_arrays(self) -> tuple[IndexedBase, ...]:
@@ -249,23 +256,14 @@ class JointMoment(Load):
             rows.append([moment * chain.calculus.diff(opening, q) for q in chain.coordinates])
         return rows
 
-    def inner_moment(self, chain: GenericChain) -> Expr:
-        """Moment in joint s between two links."""
-        return self.moment(omega[s - 1], omega[s], chain.rod.joint(s))
-
-    def root_moment(self, chain: GenericChain) -> Expr:
-        """Moment in the root on link 0, whose clamp does not turn; zero without a spring."""
-        return self.moment(S.Zero, omega[0], chain.rod.joint(0, chain.boundary_condition.root))
-
-    def tail_moment(self, chain: GenericChain) -> Expr:
-        """Moment in the tail on its clamp, which does not turn; zero without a spring."""
-        return self.moment(omega[n - 1], S.Zero, chain.rod.joint(n, chain.boundary_condition.tail))
+    def moments(self, chain: GenericChain) -> AtSprings:
+        """Moments on the link, or the clamp of the tail, after each joint; clamps do not turn."""
+        return chain.at_springs(self.moment, omega, S.Zero)
 
     def power(self, chain: GenericChain) -> Expr:
-        opening = omega[s] - omega[s - 1]
-        inner = Sum(self.inner_moment(chain) * opening, (s, 1, n - 1))
-        ends = self.root_moment(chain) * omega[0] - self.tail_moment(chain) * omega[n - 1]
-        return ends + inner
+        inner, root, tail = self.moments(chain)
+        ends = root * omega[0] - tail * omega[n - 1]
+        return ends + Sum(inner * (omega[s] - omega[s - 1]), (s, 1, n - 1))
 
     @abstractmethod
     def coefficient_by_hand(self, rod: ClosedForm, value: Value, at: Num, size: int) -> Num:
@@ -273,17 +271,7 @@ class JointMoment(Load):
 
 
 class JointLoad(Load):
-    """A load that acts as a force on every joint that moves; name: what the arrays of the forces
-    are called after, by default its term."""
-
-    name = ""
-
-    @property
-    def bases(self) -> tuple[IndexedBase, IndexedBase]:
-        """Components of the forces on the joints."""
-        name = self.name or f"joint_{self.term}"
-        x, y = (IndexedBase(f"{name}_{axis}", real=True) for axis in "xy")
-        return x, y
+    """A load that acts as a force on every joint that moves."""
 
     def joint_force(self, at: Expr, boundary: Boundary) -> Vector:
         x, y = self.bases

@@ -76,32 +76,24 @@ class PointForce(Load):
         low = boundary.first_joint
         return [(at, x) for at, x in self.point.parts if not (at.is_Integer and at < low)]
 
-    @property
-    def _bases(self) -> tuple[IndexedBase, IndexedBase]:
-        x, y = (IndexedBase(f"joint_{self.term}_{axis}", real=True) for axis in "xy")
-        return x, y
-
     def explicit_forces(self, chain: ExplicitChain) -> list[list[PolyElement]]:
         link = int(self.point.link.subs(n, chain.n))
         fx, fy = (chain.calculus.poly(f) for f in self.force(chain.angles[link]))
         return [chain.virtual_work(chain.point(link, self.point.share), (fx, fy))]
 
     def generalised_forces(self, chain: GenericChain) -> GeneralisedForces:
+        lean = chain.joint_lever * chain.angle_force(self._force)
         if not self.is_inside:
-            return GeneralisedForces(
-                self._force, chain.joint_lever * chain.angle_force(self._force)
-            )
+            return GeneralisedForces(self._force, lean)
         link, share = self.point.link, self.point.share
         passed = (S.One, i <= link) if share == 1 else (S.One, i < link)
         arm = Piecewise(passed, (share, i <= link), (S.Zero, True))
-        return GeneralisedForces(
-            self._force, chain.joint_lever * arm * chain.angle_force(self._force)
-        )
+        return GeneralisedForces(self._force, arm * lean)
 
     def joint_force(self, at: Expr, boundary: Boundary) -> Vector:
         if not self.is_inside or not self._moving_parts(boundary):
             return NOTHING
-        x, y = (b[at] if f != 0 else S.Zero for b, f in zip(self._bases, self._force, strict=True))
+        x, y = (b[at] if f != 0 else S.Zero for b, f in zip(self.bases, self._force, strict=True))
         return x, y
 
     def start_force(self, link: Expr, boundary: Boundary) -> Vector:
@@ -124,7 +116,7 @@ class PointForce(Load):
 
         if not parts:
             return {}
-        arrays = {b: distribute(f) for b, f in zip(self._bases, self._force, strict=True) if f != 0}
+        arrays = {b: distribute(f) for b, f in zip(self.bases, self._force, strict=True) if f != 0}
         if self._is_follower:
             for base, (at, share) in zip(self._shares, self.point.parts, strict=True):
                 arrays[base] = Piecewise((share, Eq(joint, at)), (S.Zero, True))
@@ -150,7 +142,7 @@ class PointForce(Load):
             angle = after if joint_ == self.point.link else before
             if angle is not None:
                 law = [e + share[at] * f for e, f in zip(law, self.force(angle), strict=True)]
-        return {base[at]: e for base, e in zip(self._bases, law, strict=True)}
+        return {base[at]: e for base, e in zip(self.bases, law, strict=True)}
 
     def applied_forces(self, boundary: Boundary) -> AppliedForces:
         (low, first), (high, second) = self.point.parts[0], self.point.parts[-1]

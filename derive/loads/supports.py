@@ -60,7 +60,7 @@ class Supports(JointLoad):
         x, y, angle = link.place
         return (kx * (x - x0) ** 2 + ky * (y - y0) ** 2 + kappa * (angle - ANGLE) ** 2) / 2
 
-    def damper_force(self, link: LinkMotion) -> tuple[Expr, ...]:
+    def damper_forces(self, link: LinkMotion) -> tuple[Expr, ...]:
         """Force of the dampers of a link [N] and their moment [N m]."""
         *_, cx, cy, _, chi = link.factors
         return tuple(-c * v for c, v in zip((cx, cy, chi), link.velocity, strict=True))
@@ -87,7 +87,7 @@ class Supports(JointLoad):
     def _forces(self, motion: LinkMotion) -> list[Expr]:
         energy = self.spring_energy(LinkMotion(PLACE, motion.velocity, motion.factors))
         there = dict(zip(PLACE, motion.place, strict=True))
-        forces = zip(self.damper_force(motion), PLACE, strict=True)
+        forces = zip(self.damper_forces(motion), PLACE, strict=True)
         return [damped - energy.diff(x).xreplace(there) for damped, x in forces]
 
     def constants(self, first_joint: int, links: int) -> list[Expr]:
@@ -154,7 +154,7 @@ class Supports(JointLoad):
 
     def power(self, chain: GenericChain) -> Expr:
         motion = self._motion(i, i, self.share[i])
-        pairs = zip(self.damper_force(motion), motion.velocity, strict=True)
+        pairs = zip(self.damper_forces(motion), motion.velocity, strict=True)
         return Sum(sum(f * v for f, v in pairs), (i, chain.boundary_condition.first, n - 1))
 
     def energy(self, chain: GenericChain) -> Expr:

@@ -12,6 +12,7 @@ from sympy import Add, Expr, IndexedBase, Integer, S, Sum, Symbol, expand, expan
 from ..closed_form import Arithmetic, ClosedForm, link_masses, link_sizes
 from ..comparison import ANY_N, Comparison, DisagreementError
 from ..general import GeneralEquations
+from ..generic_chain import AtSprings
 from ..link_properties import joint_stiffness
 from ..loads import TERMS
 from ..loads.joint_drag import JointDrag, JointMotion, divisor, length_at, mass_at, rod_angle
@@ -75,11 +76,8 @@ def _sizes() -> Pairs:
 
 def _matrices(derived: GeneralEquations, closed: ClosedForm) -> dict[str, Pairs]:
     base = derived.boundary_condition.translates
-    pair = (
-        i,
-        j,
-        j if derived.rod.has_link_masses else later,
-    )  # entries of links i < j, where they differ
+    # Entries of links i < j, where they differ.
+    pair = i, j, j if derived.rod.has_link_masses else later
     M: Pairs = [
         (derived.mass_link, closed.M_link(i)),
         (derived.mass_link_link, closed.M_link_link(*pair)),
@@ -89,14 +87,7 @@ def _matrices(derived: GeneralEquations, closed: ClosedForm) -> dict[str, Pairs]
         M.append((derived.mass_base, closed.M_base()))
         M += zip(derived.mass_base_link, closed.M_base_link(i), strict=True)
         Q += zip(derived.velocity_base_link, closed.Q_base_link(i), strict=True)
-    K = _bending_pairs(
-        derived,
-        (derived.spring, derived.root_spring, derived.tail_spring),
-        phi,
-        closed,
-        closed.spring_stiffness,
-        ALPHA,
-    )
+    K = _bending_pairs(derived, derived.springs, phi, closed, closed.spring_stiffness, ALPHA)
     steps: Pairs = []
     by_hand = (*closed.joint_step(i), *closed.velocity_step(i, omega[i]))
     for quantity, hand in zip((joint_x, joint_y, joint_vx, joint_vy), by_hand, strict=True):
@@ -109,19 +100,14 @@ def _load_pairs(derived: GeneralEquations, closed: ClosedForm, load: Load) -> Pa
     """Pairs of generalised forces of a load; of a force at a point inside, on the link of its point
     and on those next to it."""
     if isinstance(load, JointMoment):
-        moments = load.inner_moment(derived), load.root_moment(derived), load.tail_moment(derived)
         factor = partial(load.coefficient_by_hand, closed, _identity)
-        return _bending_pairs(derived, moments, omega, closed, factor, S.Zero)
+        return _bending_pairs(derived, load.moments(derived), omega, closed, factor, S.Zero)
     work = load.generalised_forces(derived)
     assert work is not None
     links = [i]
     if isinstance(load, PointForce) and load.is_inside:
-        near = (load.point.link + d for d in (-1, 0, 1))
-        links = [
-            link
-            for link in near
-            if not (link.is_Integer and link < derived.boundary_condition.first)
-        ]
+        near, first = (load.point.link + d for d in (-1, 0, 1)), derived.boundary_condition.first
+        links = [link for link in near if not (link.is_Integer and link < first)]
     pairs = [(work.link.subs(i, at), load.link_by_hand(closed, at, _identity)) for at in links]
     if derived.boundary_condition.translates:
         pairs += zip(work.base, load.base_by_hand(closed, _identity), strict=True)
@@ -135,16 +121,15 @@ def _identity(of: Expr) -> Expr:
 
 def _bending_pairs(
     derived: GeneralEquations,
-    moments: tuple[Expr, Expr, Expr],
+    moments: AtSprings,
     of: IndexedBase,
     closed: ClosedForm,
     factor: Callable[[Any, int], Any],
     clamp: Expr,
 ) -> Pairs:
     """Pairs of the moment of the joints at its ends on a link and its row of K or D_i: for a link
-    inside, for the first of all, and for the last. moments: of an inner joint, the root and the
-    tail; factor: coefficient of a joint of a size in the closed form; clamp: angle or rate before
-    the first link and behind the last."""
+    inside, for the first of all, and for the last. factor: coefficient of a joint of a size in the
+    closed form; clamp: angle or rate before the first link and behind the last."""
     pairs = []
     inner, root, tail = moments
     places = {"inside": (1, 1), "tail": (1, closed.tail_size), "start": (closed.root_size, 1)}

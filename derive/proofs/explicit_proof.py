@@ -18,7 +18,7 @@ from ..explicit import ExplicitDerivation
 from ..general import GeneralEquations
 from ..loads import TERMS, loads_of
 from ..loads.kinds import JointMoment
-from ..polynomials import TIME
+from ..polynomials import TIME, Calculus
 from ..symbols import (
     HALF,
     PARAMETERS,
@@ -48,7 +48,7 @@ def prove_explicit(
     """Compare every entry of M, Q, K and the loads at n links; raises DisagreementError."""
     derived = ExplicitDerivation(links, boundary, inertia, tuple(nonuniform), tuple(terms))
     closed = _closed_form(derived)
-    compare = _Comparer(derived)
+    compare = partial(_compare, derived.calculus)
     yield compare("M", derived.mass_matrix, closed.M())
     for row, rest in enumerate(derived.remainder):
         for factor, coefficient in rest.items():
@@ -68,12 +68,11 @@ def prove_explicit(
             yield compare(load.letter, resisting, closed.damping(factor))
         else:
             by_hand = load.column_by_hand(closed, value)
-            yield compare(load.letter, _column(column), _column(by_hand))
+            yield compare(load.letter, [[e] for e in column], [[e] for e in by_hand])
 
 
 class _Value:
-    """Parameters, arrays at the joints and expressions as polynomials of a derivation; angles by
-    their cosine and sine."""
+    """Numbers and expressions as polynomials of a derivation; angles by cosine and sine."""
 
     def __init__(self, derived: ExplicitDerivation):
         self._derived = derived
@@ -107,16 +106,14 @@ def _closed_form(derived: ExplicitDerivation) -> ClosedForm:
         strict=True,
     )
     differing = dict(joints) if "stiffness" in derived.nonuniform else None
-    links = link_masses(derived.nonuniform, partial(_of_links, derived), lumped, poly(HALF))
+
+    def of_links(name: str) -> dict[int, PolyElement]:
+        return {q: calculus.generator[PARAMETERS[name][q]] for q in range(derived.n)}
+
+    links = link_masses(derived.nonuniform, of_links, lumped, poly(HALF))
     return ClosedForm(
         derived.n, *sizes, known, boundary_condition, polynomials, lumped, differing, links
     )
-
-
-def _of_links(derived: ExplicitDerivation, name: str) -> dict[int, PolyElement]:
-    """A parameter of every link by its number."""
-    base = PARAMETERS[name]
-    return {q: derived.calculus.generator[base[q]] for q in range(derived.n)}
 
 
 def _merge_columns(row: Sequence[Any], angles: Sequence[Any]) -> list[Any]:
@@ -127,25 +124,18 @@ def _merge_columns(row: Sequence[Any], angles: Sequence[Any]) -> list[Any]:
     return list(sums.values())
 
 
-def _column(entries: Sequence[Any]) -> list[list[Any]]:
-    return [[entry] for entry in entries]
-
-
-class _Comparer:
-    """Comparison of matrices of polynomials, entry by entry."""
-
-    def __init__(self, derived: ExplicitDerivation):
-        self._calculus = derived.calculus
-
-    def __call__(self, name: str, one: list[list[Any]], two: list[list[Any]]) -> Comparison:
-        if [len(row) for row in one] != [len(row) for row in two]:
-            raise DisagreementError(EXPLICIT, f"shape of {name}", len(one), len(two))
-        for r, (derived_row, closed_row) in enumerate(zip(one, two, strict=True)):
-            for c, (derived, closed) in enumerate(zip(derived_row, closed_row, strict=True)):
-                if self._calculus.normal_form(derived - closed):
-                    shown = self._calculus.expr(derived), self._calculus.expr(closed)
-                    raise DisagreementError(EXPLICIT, f"{name}[{r},{c}]", *shown)
-        return Comparison(name, EXPLICIT, sum(map(len, one)))
+def _compare(
+    calculus: Calculus, name: str, one: list[list[Any]], two: list[list[Any]]
+) -> Comparison:
+    """Compare matrices of polynomials, entry by entry."""
+    if [len(row) for row in one] != [len(row) for row in two]:
+        raise DisagreementError(EXPLICIT, f"shape of {name}", len(one), len(two))
+    for r, (derived_row, closed_row) in enumerate(zip(one, two, strict=True)):
+        for c, (derived, closed) in enumerate(zip(derived_row, closed_row, strict=True)):
+            if calculus.normal_form(derived - closed):
+                shown = calculus.expr(derived), calculus.expr(closed)
+                raise DisagreementError(EXPLICIT, f"{name}[{r},{c}]", *shown)
+    return Comparison(name, EXPLICIT, sum(map(len, one)))
 
 
 def _compare_joints(derived: ExplicitDerivation, general: GeneralEquations) -> Comparison:

@@ -17,6 +17,7 @@ from sympy import Eq, Expr, IndexedBase, Sum, Symbol
 from ..closed_form import Arithmetic, ClosedForm, link_masses
 from ..comparison import POINTS, Comparison, DisagreementError
 from ..general import GeneralEquations
+from ..generic_chain import AtSprings
 from ..link_properties import joint_stiffness, link_parameters
 from ..loads import TERMS
 from ..loads.kinds import JointMoment, Load
@@ -46,18 +47,17 @@ def prove_at_points(
     inertia: str,
     terms: Sequence[str] = TERMS,
     nonuniform: Sequence[str] = (),
-    seed: int = 1,
 ) -> Iterator[Comparison]:
     """Compare entries of derivation 2 at n links with the closed form; raises DisagreementError."""
     equations = GeneralEquations(boundary, inertia, tuple(terms), tuple(nonuniform))
-    return _Points(equations, links, seed).compare()
+    return _Points(equations, links).compare()
 
 
 class _Points:
     """A random state of a chain in exact numbers, and the closed form there."""
 
-    def __init__(self, derived: GeneralEquations, links: int, seed: int):
-        self.derived, self.draw = derived, random.Random(seed)
+    def __init__(self, derived: GeneralEquations, links: int):
+        self.derived, self.draw = derived, random.Random(1)
         palette = [pythagorean(self._rational()) for _ in range(30)]
         directions = [self.draw.choice(palette) for _ in range(links)]
         numbers, angles = {m, l, k}, set[Symbol]()
@@ -107,22 +107,15 @@ class _Points:
         yield self._compare_entries("Q", self._velocity_entries())
         joined = derived.boundary_condition.spring_joints(closed.n)
         if joined:
-            moments = derived.spring, derived.root_spring, derived.tail_spring
-            yield self._compare_entries(
-                "K", self._bending_entries(moments, phi, closed.spring_stiffness, ALPHA)
-            )
+            stiffness = closed.spring_stiffness
+            entries = self._bending_entries(derived.springs, phi, stiffness, ALPHA)
+            yield self._compare_entries("K", entries)
         for load in derived.loads.values():
             if isinstance(load, JointMoment):
                 if joined:
-                    moments = (
-                        load.inner_moment(derived),
-                        load.root_moment(derived),
-                        load.tail_moment(derived),
-                    )
                     damping = partial(load.coefficient_by_hand, closed, self._value)
-                    yield self._compare_entries(
-                        load.letter, self._bending_entries(moments, omega, damping)
-                    )
+                    entries = self._bending_entries(load.moments(derived), omega, damping)
+                    yield self._compare_entries(load.letter, entries)
             else:
                 yield self._compare_entries(load.letter, self._load_entries(load))
 
@@ -182,14 +175,14 @@ class _Points:
 
     def _bending_entries(
         self,
-        moments: tuple[Expr, Expr, Expr],
+        moments: AtSprings,
         of: IndexedBase,
         factor: Callable[[int, int], Any],
         clamp: Symbol | None = None,
     ) -> Iterator[Entry]:
-        """Coefficients of the three links that bend a link, from the moments at its ends, of inner
-        joints, root and tail; factor: coefficient of a joint of a size in the closed form; clamp:
-        angle before the first link and behind the last, unless it is zero."""
+        """Coefficients of the three links that bend a link, from the moments at its ends; factor:
+        coefficient of a joint of a size in the closed form; clamp: angle before the first link and
+        behind the last, unless it is zero."""
         inner, root, tail = moments
         last = self.closed.n - 1
         work = self.derived.link_moment.subs(n, self.closed.n)

@@ -52,8 +52,7 @@ def _system_limits() -> list[float]:
 
 
 def _cgroup_files() -> list[Path]:
-    """Files with memory limits of the control groups of this process (version 1 and 2), and of
-    those around them."""
+    """Files with memory limits of the control groups (version 1 and 2) around this process."""
     found = [GROUPS / "memory.max"]
     with suppress(OSError, ValueError):
         for line in OWN_GROUPS.read_text().splitlines():

@@ -224,8 +224,7 @@ def plain_data(value: Any) -> Any:
 
 
 def tables(rows: Iterable[Row], result: Any) -> list[ResultTable]:
-    """Tables of the rows of a result: one of single values, and one for each kind of arrays, such
-    as those over modes."""
+    """Tables of a result: one of single values, and one for each kind of arrays, as over modes."""
     values, columns = dict[str, str](), dict[str, list[Row]]()
     for row in rows:
         if row.along:

@@ -46,7 +46,7 @@ def test_values_of_numpy_are_those_of_a_file() -> None:
         # Nothing of NumPy is left: repr tells np.float64(2.0) from 2.0.
         assert "np." not in repr(scene)
         assert Scene.model_validate_json(scene.model_dump_json(exclude_none=True)) == scene
-        assert scene.time_laws.all == ()
+        assert scene.time_laws.expressions == ()
         assert not scene.unused_names
         assert Scene(**dict(scene)) == scene  # of tables that are checked already
 

@@ -13,6 +13,7 @@ from rodgen.derive import symbols
 from rodgen.derive.closed_form import ClosedForm
 from rodgen.derive.explicit import ExplicitDerivation
 from rodgen.derive.general import GeneralEquations
+from rodgen.derive.generic_chain import AtSprings, GenericChain
 from rodgen.derive.link_properties import INERTIAS
 from rodgen.derive.loads import LOADS, TERMS
 from rodgen.derive.loads.follower import Follower
@@ -176,11 +177,13 @@ def _wrong_root(patch: pytest.MonkeyPatch) -> None:
 
 def _wrong_root_damper(patch: pytest.MonkeyPatch) -> None:
     """As damped as an inner joint, in both derivations."""
-    patch.setattr(
-        JointMoment,
-        "root_moment",
-        lambda self, chain: self.moment(S.Zero, omega[0], chain.rod.joint(0)),
-    )
+    moments = JointMoment.moments
+
+    def as_inside(self: JointMoment, chain: GenericChain) -> AtSprings:
+        root = self.moment(S.Zero, omega[0], chain.rod.joint(0))
+        return moments(self, chain)._replace(root=root)
+
+    patch.setattr(JointMoment, "moments", as_inside)
     right = JointMoment.explicit_forces
 
     def wrong(self: JointMoment, chain: ExplicitDerivation) -> Any:

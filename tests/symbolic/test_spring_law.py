@@ -51,10 +51,10 @@ def test_moments_are_the_derivatives_of_the_energy(text: str, boundary: str) -> 
     )
     springs = zip(sizes, pairwise(bent), strict=True)
     energy = Add(*(spring_potential(*ends, size * k, law) for size, ends in springs))
-    on_after = [derived.root_spring.xreplace({phi[0]: angles[0]})]
+    on_after = [derived.springs.root.xreplace({phi[0]: angles[0]})]
     for a, b in pairwise(angles):
-        on_after.append(derived.spring.xreplace({phi[s - 1]: a, phi[s]: b}))
-    on_after.append(derived.tail_spring.xreplace({phi[n - 1]: angles[-1]}))
+        on_after.append(derived.springs.inner.xreplace({phi[s - 1]: a, phi[s]: b}))
+    on_after.append(derived.springs.tail.xreplace({phi[n - 1]: angles[-1]}))
     draw = random.Random(1)
     known = sorted((energy.free_symbols | law.free_symbols) - {bend}, key=str)
     for _ in range(2):

@@ -45,7 +45,7 @@ def test_supports_without_a_place_move_with_the_start_of_a_free_rod() -> None:
     y = np.array(system.y0)
     y[:2] = 0.5, 0.2
     np.testing.assert_array_equal(system.at(y0=y).p, System(system.at(y0=y).scene).p)
-    assert system.at(y0=y).value("support_x").max() == pytest.approx(0.5 + 0.4 * 2.0)
+    assert system.at(y0=y).parameter("support_x").max() == pytest.approx(0.5 + 0.4 * 2.0)
 
 
 def test_a_number_of_a_law_along_the_rod_is_none_of_a_link() -> None:
@@ -53,8 +53,8 @@ def test_a_number_of_a_law_along_the_rod_is_none_of_a_link() -> None:
     loads = {"distributed_follower": {"force_per_length": "5*(1 - s)*t"}}
     frozen = System(scene_of(rod=CLAMPED, loads=loads)).at(t=0.5)
     doubled = frozen.at({f"{key}.0": 10.0})
-    twice = 2 * frozen.value("distributed_follower")
-    np.testing.assert_array_equal(doubled.value("distributed_follower"), twice)
+    twice = 2 * frozen.parameter("distributed_follower")
+    np.testing.assert_array_equal(doubled.parameter("distributed_follower"), twice)
     assert refused(frozen.at, {f"{key}.3": 10.0}).field == "key"
 
 

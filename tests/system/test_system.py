@@ -161,9 +161,9 @@ def test_another_number_of_links_converts_the_damping_that_there_is() -> None:
 
 def test_loads_at_a_time_are_numbers() -> None:
     system = System(scene_of(**WHOLE)).at({"parameters.P0": 20.0}, t=0.25)
-    assert system.value("follower_force") == 10.0
+    assert system.parameter("follower_force") == 10.0
     assert system.source.loads.follower[0].force == "P0*min(t/0.5, 1)"
-    assert system.at({"parameters.P0": 40.0}).value("follower_force") == 20.0
+    assert system.at({"parameters.P0": 40.0}).parameter("follower_force") == 20.0
     assert refused(system.at, t=2.0)[:2] == ("t", 2.0)
 
 
@@ -200,7 +200,7 @@ def test_a_system_goes_through_pickle() -> None:
     again = pickle.loads(pickle.dumps(system))
     np.testing.assert_array_equal(again.p, system.p)
     assert again.scene == system.scene
-    assert again.at({"loads.tip.x": 3.0}).value("tip_force_x") == 3.0
+    assert again.at({"loads.tip.x": 3.0}).parameter("tip_force_x") == 3.0
 
 
 def test_analyses_take_systems_and_scenes() -> None:

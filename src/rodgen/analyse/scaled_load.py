@@ -96,7 +96,7 @@ class ScaledLoad:
         if name == FOLLOWERS:
             terms = [row for row in every if row.follows]
         here = {
-            one.name: (np.asarray(rod.system.value(one.name)), _force_per_size(row, scene))
+            one.name: (np.asarray(rod.system.parameter(one.name)), _force_per_size(row, scene))
             for row in terms
             for one in row.size_parameters
         }
@@ -140,7 +140,7 @@ class RodRange:
         system = rod.system
         terms = [TERMS[name] for name in system.structure.loads]
         names = {one.name for term in terms for one in term.scaling_parameters}
-        parts = {name: system.value(name) for name in names & system.structure.slices.keys()}
+        parts = {name: system.parameter(name) for name in names & system.structure.slices.keys()}
         return cls(rod, ParameterLine.of(system, parts))
 
     def rod(self, value: float) -> SteadyRod:

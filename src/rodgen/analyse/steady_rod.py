@@ -259,7 +259,7 @@ class SteadyRod(HasInstant):
 
     @property
     def _clamp_angle(self) -> float:
-        return self.system.value(CLAMP_ANGLE.name) if self.is_clamped else 0.0
+        return self.system.parameter(CLAMP_ANGLE.name) if self.is_clamped else 0.0
 
     def all_angles(self, phi: NDArray[Any]) -> NDArray[Any]:
         """Angles of all n links, held ones included, from those of the moving ones (..., cells)."""

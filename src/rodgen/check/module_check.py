@@ -23,7 +23,7 @@ from rodgen.memory import check_memory
 from rodgen.progress import report_stage
 from rodgen.result import Result, Row
 from rodgen.scene.distribution import link_parameters_at
-from rodgen.scene.law import POINTS, WEIGHTS
+from rodgen.scene.law import cell_means, gauss_points
 
 DIGITS = 50
 DRAWS = 100  # of parameters, until loads are finite
@@ -170,12 +170,11 @@ def _load_values(module: ModuleType, values: dict[str, Any], t: float) -> dict[s
 
 def _link_means(module: ModuleType, values: dict[str, Any], t: float) -> dict[str, Any]:
     """Means over every link at a time of the loads that are functions of place as well."""
-    links = structure_of(module).links
-    places = (np.arange(links)[:, None] + POINTS) / links
-    found = {}
-    for name, e in structure_of(module).open_along.items():
+    structure, found = structure_of(module), {}
+    places = gauss_points(structure.links)
+    for name, e in structure.open_along.items():
         density = e.with_values(values).evaluate(np.float64(t), {"s": places})
-        found[name] = np.broadcast_to(density, places.shape) @ WEIGHTS
+        found[name] = cell_means(np.broadcast_to(density, places.shape))
     return found
 
 

@@ -38,7 +38,7 @@ FIFTY_DIGITS = Arithmetic(
 )
 
 
-def _table(x: Any, table: TableData, kind: str) -> Any:
+def _table(table: TableData, x: Any, kind: str) -> Any:
     """Value of a table of numbers; of straight lines, in the present precision."""
     knots, values = table.knots, table.values
     if kind != LINEAR or not knots[0] < x < knots[-1]:
@@ -109,8 +109,7 @@ class ReferenceEquations:
         return [*self.u, *rates, *self.rates]
 
     def apply_laws(self, laws: Mapping[str, Expression], t: float) -> None:
-        """Set the numbers that follow the motion, and the rates of added states, by their laws at a
-        time t [s]."""
+        """Set numbers that follow the motion and rates of added states by their laws at t [s]."""
         for sensor in {sensor for law in laws.values() for sensor in law.sensors}:
             self.signals[sensor.text] = self.sensor_value(sensor)
         for name, law in laws.items():
@@ -129,8 +128,7 @@ class ReferenceEquations:
         if sensor.what in ("x", "y"):
             starts, way = self.joints(), self.closed.joint_step(link)
         else:
-            starts = self._running_sums(self.v0, self.closed.velocity_step, self.omega)
-            way = self.closed.velocity_step(link, self.omega[link])
+            starts, way = self._velocities, self.closed.velocity_step(link, self.omega[link])
         axis = int(sensor.what[-1] == "y")
         return starts[link][axis] + (at - link) * way[axis]
 
@@ -175,8 +173,7 @@ class ReferenceEquations:
 
     @cached_property
     def force_values(self) -> dict[IndexedBase, dict[int, Any]]:
-        """Forces and moments of the loads that follow velocities and positions, by joint or
-        link."""
+        """Forces and moments of loads that follow the motion, by joint or link."""
         forces: dict[IndexedBase, dict[int, Any]] = {}
         for load in self.acting.values():
             forces |= {base: {} for base in load.force_arrays}
@@ -253,8 +250,7 @@ class ReferenceEquations:
     @cached_property
     def links(self) -> LinkMasses:
         """Mass, centre and spread of every link; of an even rod, all alike."""
-        half, even = mpf(1) / 2, [self.m] * self.n
-        kept = link_masses(("mass",), lambda _: even, self.lumped, half)
+        kept = link_masses(("mass",), lambda _: [self.m] * self.n, self.lumped, FIFTY_DIGITS.half)
         assert kept is not None
         return self.closed.links_differ or kept
 
@@ -324,7 +320,7 @@ class ReferenceEquations:
         """Law of the springs: moment by stiffness and angle."""
         numbers = [*self.structure.numbers]
         law = lambdify((k, bend, *numbers), law_of(self.structure), "mpmath")
-        return partial(_call_law, law, [self.number[name] for name in numbers])
+        return lambda *of: law(*of, *(self.number[name] for name in numbers))
 
     def _spring_energy(self, stiffness: Any, angle: Any) -> Any:
         """Energy of a spring: k d^2/2 by Hooke's law, else the integral of its moment, in parts
@@ -390,10 +386,6 @@ class ReferenceEquations:
                 forces = ((m, load.damper_by_hand(m, self.value, mp)) for m in motions)
                 power[term] = mp.fsum(_dot(force, m.velocity) for m, force in forces)
         return power if self.emptying is None else power | {EMPTYING: self.emptying}
-
-
-def _call_law(law: Any, numbers: Sequence[Any], stiffness: Any, angle: Any) -> Any:
-    return law(stiffness, angle, *numbers)
 
 
 def _matrix_vector(matrix: list[list[Any]], vector: Sequence[Any]) -> list[Any]:

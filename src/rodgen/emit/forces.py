@@ -1,4 +1,4 @@
-"""Outputs for moments in the joints, forces of the loads, and a force at any point of the rod."""
+"""Outputs for forces of the loads, and for a force at any point of the rod."""
 
 from __future__ import annotations
 
@@ -14,11 +14,6 @@ from rodgen.emit.statements import SCALAR, Domain, Outputs
 LINK = Symbol("link", integer=True)
 SHARE = Symbol("share", nonnegative=True)
 FORCE = symbols("force_x force_y", real=True)
-
-
-def bending_moments(equations: GeneralEquations, links: int) -> Outputs:
-    """Bending moment in every joint."""
-    return {"bending": (Domain((joint,), 0, links), Quantities(equations).bending_moment)}
 
 
 def forces(equations: GeneralEquations, links: int) -> Outputs:

@@ -29,8 +29,7 @@ class Masses:
     structure: Structure
 
     def body_codes(self, language: Language, start: str = "", clock: str = "t") -> dict[str, str]:
-        """Code of the masses of bodies and of their rates, by name; start: of p; clock: of the
-        time."""
+        """Code of masses of bodies and of their rates, by name; start: of p; clock: of the time."""
         masses = self.structure.open_masses.items()
         bodies = {name: e for name, e in masses if name != mass_name("")}
         places, found = self.structure.slices, dict[str, str]()
@@ -41,8 +40,7 @@ class Masses:
         return found
 
     def link_codes(self, language: Language) -> dict[str, str]:
-        """Code of the mass per length and of its rate at s, and of loads at s, by the names of what
-        links have."""
+        """Code of the mass per length, its rate and loads at s, by the names of what links have."""
         place, places = {"s": "s"}, self.structure.slices
         loads = self.structure.open_along.items()
         found = {name: e.source(language, places, "", place) for name, e in loads}
@@ -56,7 +54,6 @@ class Masses:
         """Template context of masses, and of loads along the rod."""
         bodies, links = self.body_codes(language), self.link_codes(language)
         return {
-            "emptying": bool(self.structure.masses),
             "in_time": IN_TIME if self.structure.masses else (),
             "body_masses": bodies,
             "link_masses": links,

@@ -139,31 +139,28 @@ def _context(
     }
     moving = n - boundary_condition.first
     laws = (*structure.laws.values(), *structure.open_masses.values())
-    motion = 2 * (
-        moving + 2 * boundary_condition.translates
-    )  # numbers of y before the states that are added
+    texts = structure.open_expressions | structure.open_along
+    size = moving + 2 * boundary_condition.translates
+    added = {name: 2 * size + at for at, name in enumerate(structure.state_names)}
+    slots = _input_slots(boundary_condition.translates, moving)
+    first = boundary_condition.first
+    # Of the angles and of their rates, the number of the first.
+    named = {f"{x}_{first}" if x in ("phi", "omega") else x: at for x, at in slots.items()}
     return {
         "stem": structure.module_stem(target, form),
         "title": _title(structure),
         "banner": _banner(provenance, form),
         "n": n,
-        "first": boundary_condition.first,
-        "held": boundary_condition.first > 0,
+        "first": first,
+        "held": first > 0,
         "base": 2 * boundary_condition.translates,
         "moving": moving,
-        "size": moving + 2 * boundary_condition.translates,
-        "states": motion + len(structure.states),
-        "added": {name: motion + at for at, name in enumerate(structure.state_names)},
+        "size": size,
+        "states": 2 * size + len(added),
+        "added": added,
         "added_rates": structure.open_rates,
         "signal_names": _signal_names(functions),
-        "cubic": any(
-            e.has_cubic
-            for e in (
-                *structure.open_expressions.values(),
-                *structure.open_along.values(),
-                *laws,
-            )
-        ),
+        "cubic": any(e.has_cubic for e in (*texts.values(), *laws)),
         "tables": any(e.has_table for e in laws),
         "boundary": structure.boundary,
         "inertia": structure.inertia,
@@ -173,12 +170,9 @@ def _context(
         "spring": structure.spring,
         "expressions": structure.open_expressions,
         "table_rows": dict(structure.tables),
-        "texts": structure.open_expressions | structure.open_along,
-        "slot": _input_slots(boundary_condition.translates, moving),
-        "state_places": _state_indices(
-            _input_slots(boundary_condition.translates, moving), boundary_condition.first
-        )
-        | {name: motion + at for at, name in enumerate(structure.state_names)},
+        "texts": texts,
+        "slot": slots,
+        "state_places": named | added,
         "provenance": provenance,
         "constants": functions.compiler.constants,
         "pairs": [c for c in functions.compiler.constants if c.domain.indices == PAIR],
@@ -195,7 +189,7 @@ def _context(
         **_parameter_context(structure),
         **Masses(structure).context(NUMPY),
         "in_time_text": _tuple_code(IN_TIME),
-        **_state_context(structure, boundary_condition.translates, boundary_condition.first),
+        **_state_context(structure, boundary_condition.translates, first),
         **programs,
     }
 
@@ -262,8 +256,7 @@ def _parameter_context(structure: Structure) -> dict[str, Any]:
 
 
 def _array_context(parameter: Parameter, span: range, place: slice) -> dict[str, Any]:
-    """Template context of a parameter of several numbers: where in p it lies, how many they are,
-    and their rule."""
+    """Template context of a parameter of several numbers: its place in p, number and rule."""
     return {
         "name": parameter.name,
         "start": place.start,
@@ -292,10 +285,9 @@ def _range_code(span: range) -> str:
 
 
 def _parameter_doc(parameter: Parameter) -> str:
-    optional = parameter.is_array and parameter.default is not None
-    return parameter.documentation + (
-        f"; {parameter.default:g} everywhere if not given" if optional else ""
-    )
+    if not parameter.is_array or parameter.default is None:
+        return parameter.documentation
+    return f"{parameter.documentation}; {parameter.default:g} everywhere if not given"
 
 
 def _default_code(parameter: Parameter) -> str | None:
@@ -319,13 +311,6 @@ def _state_context(structure: Structure, translates: bool, first: int) -> dict[s
     groups += [f'"{name}"' for name in structure.state_names]
     words += structure.state_names
     return {"state_groups": groups, "state_text": ", ".join(words)}
-
-
-def _state_indices(slots: Mapping[str, int], first: int) -> dict[str, int]:
-    """Index in y of every number by name; of the angles and of their rates that of the first."""
-    return {
-        f"{name}_{first}" if name in ("phi", "omega") else name: at for name, at in slots.items()
-    }
 
 
 def _input_slots(translates: bool, moving: int) -> dict[str, int]:

@@ -2,8 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
+from itertools import product
+
+from sympy import Expr, Matrix
 
 from rodgen.derive.general import GeneralEquations
 from rodgen.derive.implicit_form import ImplicitForm
@@ -36,20 +40,10 @@ class NewtonMatrix:
         """Outputs of implicit, by the names that the templates put together."""
         form, link = self.form, self.link
         outputs: Outputs = {f"residual_{r}": (link, e) for r, e in enumerate(form.residual)}
-        blocks = {
-            "angle": form.by_angle,
-            "rate": form.by_rate,
-            "unknown": form.by_unknown,
-            "velocity": form.by_velocity,
-            "position": form.by_position,
-        }
-        for name, matrices in blocks.items():
-            for at, matrix in enumerate(matrices.values()):
-                for r in range(matrix.rows):
-                    for c in range(matrix.cols):
-                        value = matrix[r, c].subs(n, self.links)
-                        if value != 0:
-                            outputs[f"by_{name}_{at}_{r}_{c}"] = link, value
+        for name, _, e in _entries(form.derivatives):
+            value = e.subs(n, self.links)
+            if value != 0:
+                outputs[f"by_{name}"] = link, value
         return outputs
 
     @cached_property
@@ -64,13 +58,10 @@ class NewtonMatrix:
                     out[f"lever_{kind}_{r}"] = self.link, gained[r]
         moved = ("velocity", "position")  # of joints, of which there is one more than links
         if self.equations.boundary_condition.translates:
-            for kind, matrices in form.base_derivatives(self.links).items():
-                for at, matrix in matrices.items():
-                    for r in range(matrix.rows):
-                        for c in range(matrix.cols):
-                            value = matrix[r, c].subs({i: 0, n: self.links})
-                            if value != 0 and (at == 0 or self.links > 1 or kind in moved):
-                                out[f"base_{kind}_{at}_{r}_{c}"] = SCALAR, value
+            for name, at, e in _entries(form.base_derivatives(self.links)):
+                value = e.subs({i: 0, n: self.links})
+                if value != 0 and (at == 0 or self.links > 1 or name.startswith(moved)):
+                    out[f"base_{name}"] = SCALAR, value
         return out
 
     @cached_property
@@ -91,3 +82,12 @@ class NewtonMatrix:
                 for kind, e in zip(("angle", "rate"), point.derivatives(sensor.what), strict=True):
                     out[f"sensed_{kind}_{at}"] = along, e
         return {name: (domain, e) for name, (domain, e) in out.items() if e != 0}
+
+
+def _entries(blocks: Mapping[str, Sequence[Matrix]]) -> Iterator[tuple[str, int, Expr]]:
+    """Yield the entries of matrices with their names, which end in the numbers of the matrix, the
+    row and the column, and with the number of the matrix."""
+    for kind, matrices in blocks.items():
+        for at, matrix in enumerate(matrices):
+            for r, c in product(range(matrix.rows), range(matrix.cols)):
+                yield f"{kind}_{at}_{r}_{c}", at, matrix[r, c]

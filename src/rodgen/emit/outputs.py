@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from functools import cache, cached_property
 from itertools import starmap
@@ -17,8 +17,8 @@ from rodgen.derive.joint_system import BlockSystem, alpha, link_moment
 from rodgen.derive.link_properties import INERTIAS
 from rodgen.derive.loads.kinds import JointMoment
 from rodgen.derive.symbols import Array, i, joint, joint_vx, joint_vy, joint_x, joint_y, n, s
-from rodgen.derive.variable_mass import Tank, VariableMasses
-from rodgen.emit.forces import bending_moments, forces, point_force
+from rodgen.derive.variable_mass import ChangingBody, VariableMasses
+from rodgen.emit.forces import forces, point_force
 from rodgen.emit.laws import Laws
 from rodgen.emit.masses import Masses
 from rodgen.emit.newton import NewtonMatrix
@@ -70,14 +70,8 @@ class Functions:
         if self.variable_masses:
             present = self.variable_masses.masses.items()
             arrays = arrays | {base: Array(base, i, S.Zero, n - 1, e) for base, e in present}
-        known = (
-            arrays,
-            self.solve,
-            self.parameter_domains,
-            self.laws.definitions,
-            self.time_dependent,
-        )
-        return Compiler(self.links, first, *known)
+        known = arrays, self.solve, self.parameter_domains, self.laws.definitions
+        return Compiler(self.links, first, *known, self.time_dependent)
 
     @cached_property
     def variable_masses(self) -> VariableMasses | None:
@@ -85,8 +79,8 @@ class Functions:
         of = self.structure
         if not of.masses:
             return None
-        tanks = tuple(starmap(Tank, of.tanks.items()))
-        return VariableMasses(self.equations, len(tanks) < len(of.masses), tanks)
+        bodies = tuple(starmap(ChangingBody, of.changing_bodies.items()))
+        return VariableMasses(self.equations, len(bodies) < len(of.masses), bodies)
 
     @cached_property
     def time_dependent(self) -> tuple[str, ...]:
@@ -185,9 +179,7 @@ class Functions:
         if self.high < self.low:
             return {}
         rows = Domain((self.system.index,), self.low, self.high)
-        return {
-            f"right_{axis}": (rows, e) for axis, e in zip(self.axes, self.system.right, strict=True)
-        }
+        return _outputs([f"right_{axis}" for axis in self.axes], self.system.right, rows)
 
     @cached_property
     def rates(self) -> Outputs:
@@ -263,9 +255,8 @@ class Functions:
     @cached_property
     def newton(self) -> NewtonMatrix:
         """Derivatives that make up a Newton matrix."""
-        return NewtonMatrix(
-            self._derivation[1], self.equations, self.laws, self.compiler.link, self.links
-        )
+        of_rod = self.equations, self.laws, self.compiler.link, self.links
+        return NewtonMatrix(self._derivation[1], *of_rod)
 
     def implicit(self) -> Program:
         """Program of the residual with joint forces as unknowns, and of its blocks."""
@@ -328,23 +319,21 @@ class Functions:
         return {
             "energy": _scalars(energy),
             "joints": {str(base): (joints, arrays[base].value) for base in (joint_x, joint_y)},
-            "centre": _scalars(dict(zip(CENTRE, quantities.centre, strict=True))),
-            "bending": bending_moments(self.equations, self.links),
+            "centre": _outputs(CENTRE, quantities.centre),
+            "bending": {"bending": (joints, quantities.bending_moment)},
         }
 
     def quantities(self) -> dict[str, Program]:
         """Programs of energies, geometry, moments and forces, for states along leading axes."""
         quantities = Quantities(self.equations)
-        moments = dict(
-            zip(("inertia_x", "inertia_y", "product_xy"), quantities.second_moments, strict=True)
-        )
-        near = dict(zip(CENTRE, quantities.centre_from_start, strict=True))
+        near = _outputs(CENTRE, quantities.centre_from_start)
+        moments = _outputs(("inertia_x", "inertia_y", "product_xy"), quantities.second_moments)
         observed = self.observables
         outputs = {
             "energy": observed["energy"],
             "joints": observed["joints"],
             "centre": observed["centre"],
-            "inertia_moments": _scalars(near | moments),
+            "inertia_moments": near | moments,
             "bending": observed["bending"],
             "forces": forces(self.equations, self.links),
         }
@@ -356,26 +345,18 @@ class Functions:
         """Programs of momenta, the moment of the clamps, forces of supports, and curvatures, for
         states along leading axes; without those that a rod does not have."""
         of, boundary_condition = Quantities(self.equations), self.equations.boundary_condition
-        about = (
-            dict(zip(CENTRE, of.centre_from_start, strict=True))
-            if boundary_condition.translates
-            else {}
-        )
+        about = _outputs(CENTRE, of.centre_from_start) if boundary_condition.translates else {}
         outputs = {
-            "momentum": _scalars(dict(zip(MOMENTUM, of.momentum, strict=True))),
-            "angular_momentum": _scalars(about | {"turning": of.angular_momentum}),
+            "momentum": _outputs(MOMENTUM, of.momentum),
+            "angular_momentum": about | _scalars({"turning": of.angular_momentum}),
         }
         if boundary_condition.is_clamped:
             outputs["reaction_moment"] = _scalars({"holding": of.reaction_moment})
+        link = self.compiler.link
         if held := of.support_forces:
-            link = self.compiler.link
-            names = ("held_x", "held_y", "held_turn")
-            outputs["support_forces"] = {
-                name: (link, e) for name, e in zip(names, held, strict=True)
-            }
+            outputs["support_forces"] = _outputs(("held_x", "held_y", "held_turn"), held, link)
         if starts := of.start_loads:
-            pairs = zip(("start_x", "start_y"), starts, strict=True)
-            outputs["start_loads"] = {name: (self.compiler.link, e) for name, e in pairs}
+            outputs["start_loads"] = _outputs(("start_x", "start_y"), starts, link)
         if springs := boundary_condition.spring_joints(self.links):
             domain = Domain((s,), springs.start, springs.stop - 1)
             outputs["curvatures"] = {"curvature": (domain, of.curvature)}
@@ -427,6 +408,10 @@ def _derive(equations: GeneralEquations, law: object) -> tuple[BlockSystem, Impl
 
 def _element(name: str, at: Expr) -> Indexed:
     return IndexedBase(name, real=True)[at]
+
+
+def _outputs(names: Iterable[str], values: Iterable[Expr], over: Domain = SCALAR) -> Outputs:
+    return {name: (over, e) for name, e in zip(names, values, strict=True)}
 
 
 def _scalars(outputs: Mapping[str, Expr]) -> Outputs:

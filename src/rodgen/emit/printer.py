@@ -7,7 +7,7 @@ product touches as few numbers as it can.
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from functools import reduce
 
 from sympy import (
@@ -49,15 +49,14 @@ SUM, PRODUCT, POWER, ATOM = range(4)
 
 @dataclass(frozen=True)
 class Dialect:
-    """Syntax of functions, the least and the greatest, choices, powers and rationals, and of the
-    laws of scenes."""
+    """Syntax of functions, among them the least and the greatest, choices, powers and rationals,
+    and of the laws of scenes."""
 
     functions: dict[type, str]
     root: str
     choice: str
     power: Callable[[str, str, int], tuple[str, int]]
     fraction: str
-    extremes: dict[type, str] = field(default_factory=dict)
     language: grammar.Language = grammar.NUMPY
 
 
@@ -65,28 +64,17 @@ def _numpy_power(base: str, exponent: str, strength: int) -> tuple[str, int]:
     return f"{base if strength == ATOM else f'({base})'}**{exponent}", POWER
 
 
+# Names of functions in SymPy and in C.
+ELEMENTARY = (sin, cos, tan, exp, log, sinh, cosh, tanh, asinh, atan, asin, sign)
+NAMES: dict[type, str] = {function: function.__name__ for function in ELEMENTARY}
 NUMPY = Dialect(
-    functions={
-        sin: "np.sin",
-        cos: "np.cos",
-        tan: "np.tan",
-        exp: "np.exp",
-        log: "np.log",
-        sinh: "np.sinh",
-        cosh: "np.cosh",
-        tanh: "np.tanh",
-        asinh: "np.arcsinh",
-        atan: "np.arctan",
-        asin: "np.arcsin",
-        Abs: "np.abs",
-        sign: "np.sign",
-    },
-    extremes={Min: "np.minimum", Max: "np.maximum"},
+    functions={function: f"np.{name}" for function, name in NAMES.items()}
+    | {asinh: "np.arcsinh", atan: "np.arctan", asin: "np.arcsin"}
+    | {Abs: "np.abs", Min: "np.minimum", Max: "np.maximum"},
     root="np.sqrt",
     choice="np.where({condition}, {value}, {other})",
     power=_numpy_power,
     fraction="{p}/{q}",
-    language=grammar.NUMPY,
 )
 
 
@@ -141,7 +129,7 @@ class Printer:
                 positive = f"{self._parenthesise(e.args[0], SUM)} > 0"
                 return self._dialect.choice.format(condition=positive, value=1, other=0), ATOM
             case Max() | Min():
-                extreme = self._dialect.extremes[type(e)]
+                extreme = self._dialect.functions[type(e)]
                 return reduce(lambda a, b: f"{extreme}({a}, {b})", map(self, e.args)), ATOM
             case And() | Or():
                 joint = " & " if isinstance(e, And) else " | "

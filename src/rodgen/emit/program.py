@@ -10,15 +10,12 @@ from sympy import Expr, IndexedBase, Symbol
 from rodgen.derive.symbols import Array, i
 from rodgen.emit.analysis import Analysis
 from rodgen.emit.numpy.array_writer import ArrayWriter
-from rodgen.emit.statements import PAIR, Constant, Domain, Program, Statement
-
-Outputs = Mapping[str, tuple[Domain, Expr]]
+from rodgen.emit.statements import PAIR, Constant, Domain, Outputs, Program, Statement
 
 
 @dataclass(frozen=True)
 class Solve:
-    """Solution of a system within a function: names of the unknowns (and of their tangents), and
-    their range."""
+    """Solution of a system within a function: names of the unknowns, and their range."""
 
     unknowns: tuple[str, ...] = ()
     domain: Domain = field(default=Domain())
@@ -95,9 +92,9 @@ class Compiler:
         given: Mapping[str, Domain] | None = None,
         writer: type[ArrayWriter] = ArrayWriter,
     ) -> Program:
-        """The statements of a function, written for NumPy or by another writer; batch: for states
-        along leading axes; given: arrays from outside that do not start at link 0, in place of the
-        unknowns; tangents, values: as in analyse."""
+        """The statements of a function, written for NumPy or, in targets of extensions, by another
+        writer; batch: for states along leading axes; given: arrays from outside that do not start
+        at link 0, in place of the unknowns; tangents, values: as in analyse."""
         analysed = self.analyse(outputs, tangents, values)
         analysis, statements = analysed.analysis, analysed.statements
         given = given or dict.fromkeys(self.solve.unknowns, self.solve.domain)
@@ -116,7 +113,6 @@ class Compiler:
     ) -> tuple[tuple[Statement, ...], ...]:
         """Statements before any solution, after the first, and after that of the tangents."""
         used: dict[str, set[str]] = {}
-        phases: list[list[Statement]] = [[] for _ in range(3)]
         phase_of: dict[str, int] = {}
         for at, names in enumerate(self.solve.names, start=1):
             phase_of |= dict.fromkeys(names, at)
@@ -132,6 +128,4 @@ class Compiler:
             phase = phase_of[st.name] = needed.get(st.name, phase_of[st.name])
             for name in used[st.name] & used.keys():
                 needed[name] = min(needed.get(name, phase), phase)
-        for st in statements:
-            phases[phase_of[st.name]].append(st)
-        return tuple(map(tuple, phases))
+        return tuple(tuple(st for st in statements if phase_of[st.name] == at) for at in range(3))

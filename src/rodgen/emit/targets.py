@@ -38,13 +38,8 @@ PARTS = {
     "newton": ("NEWTON",),
     "lanes": ("LANES",),
 }
-COMMON = (
-    "mass",
-    "implicit",
-    "power",
-    "quantities",
-    "kinetics",
-)  # written for NumPy, whatever the target
+# Written for NumPy, whatever the target.
+COMMON = ("mass", "implicit", "power", "quantities", "kinetics")
 STEPS = ("flow", "newton")
 ASKED = (*STEPS, "kinetics", "tangents", "lanes")  # what nobody has who does not ask for it
 PART_OF = {name: part for part, names in PARTS.items() for name in names}

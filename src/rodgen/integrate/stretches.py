@@ -241,7 +241,7 @@ class Windows:
         """Move to the window of this number, and find its stretches."""
         self._number = number
         at, over = self.span = self._window_start(number), self._window_start(number + 1)
-        if not (self._course.loads or self._course.all):
+        if not (self._course.loads or self._course.expressions):
             self.stretches = Stretches([over])
             return
         across: list[Pulse] = []

@@ -199,7 +199,7 @@ class Trajectory(Motion):
         """
         structure = self.system.structure
         if self.changes is None:
-            value = np.array(self.system.value(name), dtype=float)
+            value = np.array(self.system.parameter(name), dtype=float)
             return np.full((len(self.t), *value.shape), value)
         place = structure.slices[name]
         columns: Array = self.changes.p[:, place if name in structure.index_ranges else place.start]

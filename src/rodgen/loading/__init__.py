@@ -3,15 +3,3 @@
 from rodgen.loading.build import build, build_fastest, build_or_explain, companions, sources
 from rodgen.loading.generated_module import load_files, load_module, load_text
 from rodgen.native.library import BuildError
-
-__all__ = [
-    "BuildError",
-    "build",
-    "build_fastest",
-    "build_or_explain",
-    "companions",
-    "load_files",
-    "load_module",
-    "load_text",
-    "sources",
-]

@@ -142,8 +142,7 @@ def build_fastest(scene: Scene | Structure, parts: Iterable[str] = ("rhs",)) -> 
 def build_or_explain(
     scene: Scene | Structure, parts: Iterable[str] = ("rhs",)
 ) -> tuple[ModuleType, str]:
-    """C module of a scene and "", or where it cannot be built its NumPy module and the reason, in
-    one line."""
+    """C module of a scene and "", or where it cannot be built its NumPy module and the reason."""
     parts = tuple(parts)
     try:
         return build(scene, "c", parts=parts), ""

@@ -77,7 +77,11 @@ def read_text(*parts: str) -> str | None:
     """Text of an entry, or None where there is none, or it is not what was stored, or others may
     have written it."""
     try:
-        stored = _own_text(cache_root(), parts)
+        root = cache_root()
+        path = root.joinpath(*parts)
+        if not all(is_ours(folder.stat()) for folder in _folders(root, path)):
+            return None
+        stored = read_own(path).decode("utf-8")
     except (OSError, RuntimeError, UnicodeDecodeError):  # RuntimeError: a user without a home
         return None
     digest, _, text = stored.partition("\n")
@@ -95,19 +99,8 @@ def _folders(root: Path, path: Path) -> list[Path]:
     return [one for one in reversed(path.parents) if one != root and one.is_relative_to(root)]
 
 
-def _own_text(root: Path, parts: tuple[str, ...]) -> str:
-    """Text of a file below a folder. Raises OSError where another user may have written it, and
-    for what is no plain file."""
-    path = root.joinpath(*parts)
-    for folder in _folders(root, path):
-        if not is_ours(folder.stat()):
-            raise PermissionError(folder)
-    return read_own(path).decode("utf-8")
-
-
 def store_text(text: str, *parts: str) -> bool:
-    """Write an entry whole or not at all, for this user alone; False if the cache cannot be
-    written."""
+    """Write an entry whole or not at all, for this user alone; False if that cannot be done."""
     _record(text, *parts)
     try:
         root = cache_root()

@@ -148,9 +148,7 @@ def load_text(text: str, name: str, origin: str | None = None, whole: bool = Tru
     linecache.cache[origin] = (len(text), None, text.splitlines(keepends=True), origin)
     try:
         exec(compile(text, origin, "exec"), module.__dict__)
-    except MemoryError:
-        raise
-    except BuildError:
+    except (MemoryError, BuildError):
         raise
     except RuntimeError as error:
         if type(error).__name__ == "BuildError":  # of what lies beside the module

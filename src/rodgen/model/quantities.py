@@ -257,16 +257,14 @@ def watchable_names(boundary: Boundary, links: int) -> Iterator[tuple[str, range
 
 
 def parse_number(name: str, template: str) -> int | None:
-    """Number in place of {} in a name, 0 for a template without {}; None if the name does not match
-    the template."""
+    """Number in place of {} in a name, 0 for a template without {}; None if they do not match."""
     found = re.search(r"[0-9]{1,7}", name) if "{}" in template else None
     number = int(found[0]) if found else 0
     return number if name == template.format(number) else None
 
 
 def find_quantity(name: str) -> tuple[Quantity, Index]:
-    """Quantity with a number of this name, of a link, a joint or the rod, and its index. Raises
-    KeyError."""
+    """Quantity with a number of this name, and its index. Raises KeyError."""
     for quantity in QUANTITIES:
         others = quantity.each or quantity.dimensions[:1] in (SPRING, SECTION, SUPPORTED)
         for last, template in enumerate(() if others else quantity.numbers):

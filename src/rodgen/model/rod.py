@@ -169,20 +169,20 @@ def _steady(one: Parameter) -> Parameter:
     )
 
 
-# Of a body whose mass changes with time: its place on its link and its inertia.
-TANK = {
-    "along": "place of {} along its link, over its length",
-    "across": "place of {} across its link, over its length",
-    "spread": "half the moment of inertia of {} over the square of the length of a link []",
-}
-
-
-def tank_row(name: str, what: str) -> Parameter:
-    """Parameter of a body whose mass changes with time, one of TANK; name: prefix of its name."""
-    spread = what == "spread"
-    unit, rule = ("kg", NOT_NEGATIVE) if spread else ("", ANY)
-    words = TANK[what].format(name.removeprefix("body_"))
-    return Parameter(f"{name}_{what}", "", f"{name} {what}", "", unit, words, rule=rule)
+def changing_body_rows(name: str) -> tuple[Parameter, ...]:
+    """Parameters of a body whose mass changes with time: its place on its link and its inertia;
+    name: prefix of their names."""
+    body = name.removeprefix("body_")
+    spread = f"half the moment of inertia of {body} over the square of the length of a link []"
+    numbers = (
+        ("along", "", f"place of {body} along its link, over its length", ANY),
+        ("across", "", f"place of {body} across its link, over its length", ANY),
+        ("spread", "kg", spread, NOT_NEGATIVE),
+    )
+    return tuple(
+        Parameter(f"{name}_{what}", "", f"{name} {what}", "", unit, words, rule=rule)
+        for what, unit, words, rule in numbers
+    )
 
 
 STEADY = {one.name: _steady(one) for one in (LINK_MASS, *CENTRE, *SPREAD)}

@@ -2,5 +2,3 @@
 
 from rodgen.scene.scene import Scene
 from rodgen.scene.structure import Structure
-
-__all__ = ["Scene", "Structure"]

@@ -30,8 +30,7 @@ def _has_effect(support: SupportTable) -> bool:
 
 @dataclass(frozen=True)
 class SupportPoint:
-    """A support, for drawing: its link, the share of the link before its point, and the fixed point
-    [m]."""
+    """A support, for drawing: its link, the share of that before its point, the fixed point [m]."""
 
     link: int
     share: float
@@ -67,10 +66,8 @@ class Anchors:
                 raise InputError(f"supports[{i}].at", support.at, allowed)
             other, there = first.setdefault(link, (i, share))
             if abs(share - there) > SAME:
-                allowed = (
-                    f"on another link than supports[{other}], or at its point: take more links"
-                )
-                raise InputError(f"supports[{i}].at", support.at, allowed)
+                elsewhere = f"on another link than supports[{other}], or at its point"
+                raise InputError(f"supports[{i}].at", support.at, f"{elsewhere}: take more links")
 
     @property
     def terms(self) -> tuple[str, ...]:

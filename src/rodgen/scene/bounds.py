@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from rodgen.arrays import Array
 from rodgen.scene.zeros import bisect
 
-Field = Callable[[Array, Array], Any]  # of times and places, which broadcast
+Field = Callable[[Any, Any], Any]  # of times and places, which broadcast
 SIDES = 16  # roundings to either side of a point where it is not smooth
 DEEPER = 4.0  # times what neighbours differ by: how far below a sample a valley may reach
 APART = 1e-12  # of an axis: points that are closer are sides of one

@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 
 from rodgen.arrays import Array
-from rodgen.model.rod import NONUNIFORM, STEADY, TANK
+from rodgen.model.rod import NONUNIFORM, STEADY, changing_body_rows
 from rodgen.scene.expression import Expression, Numbers
 from rodgen.scene.law import GAUSS, Along, Law, cell_means, gauss_points
 from rodgen.scene.literals import mass_name
@@ -49,8 +49,7 @@ class Distribution:
 
     @property
     def changing_masses(self) -> list[tuple[str, int, Expression]]:
-        """Masses that are functions of time, each with a name and a link: those of bodies, and ""
-        and -1 for the links."""
+        """Masses that are functions of time, with names and links; "" and -1 for those of links."""
         laws = [("", -1, self._mass_per_length)]
         laws += [
             (body.name, link_and_share(body.at, self.rod.links)[0], law)
@@ -155,11 +154,10 @@ class Distribution:
         inner = inner or [k / 2 for k in self.joint_stiffness]  # the root has half a cell
         return rod.length / rod.links * sum(inner) / max(len(inner), 1)
 
-    def link_parameters(self, steady: bool = False) -> dict[str, list[float]]:
-        """Mass, centre and spread of every link with its bodies, by parameter; steady: only of
-        masses that do not change with time."""
-        rod = self.rod
-        left_out = {name for name, *_ in self.changing_masses} if steady else set()
+    def link_parameters(self) -> dict[str, list[float]]:
+        """Mass, centre and spread of every link with its bodies, by parameter; where masses change
+        with time, of the others."""
+        rod, left_out = self.rod, {name for name, *_ in self.changing_masses}
         spread = 1 / 4 if rod.inertia == "lumped" else 1 / 12
         parts = [
             [] if "" in left_out else [LinkPart(m, 0.5, 0.0, spread)] for m in self.link_masses
@@ -167,14 +165,13 @@ class Distribution:
         for body, (link, part) in zip(self.bodies, self._body_parts, strict=True):
             if body.name not in left_out:
                 parts[link].append(part)
-        rows = (STEADY[one.name] if steady else one for one in NONUNIFORM["bodies"].parameters)
+        rows = (STEADY[one.name] if left_out else one for one in NONUNIFORM["bodies"].parameters)
         columns = zip(*map(combine, parts), strict=True)
         return dict(zip((one.name for one in rows), map(list, columns), strict=True))
 
     @property
     def changing_mass_parameters(self) -> dict[str, float]:
-        """Module parameters of masses that are functions of time: the numbers in their expressions,
-        and the places of bodies."""
+        """Numbers in the expressions of masses that are functions of time, and places of bodies."""
         values: dict[str, float] = {}
         names = {name: e for name, _, e in self.changing_masses}
         for name, e in names.items():
@@ -280,8 +277,8 @@ def link_parameters_at(
         density = np.broadcast_to(evaluate_mass(mass_name(""), s=gauss_points(n)), (n, GAUSS))
         for link, mass in enumerate(values["length"] / n * cell_means(density)):
             parts[link].append(LinkPart(mass, 0.5, 0.0, 1 / 4 if lumped else 1 / 12))
-    for name, link in structure.tanks.items():
-        along, across, spread = (values[f"{name}_{what}"] for what in TANK)
+    for name, link in structure.changing_bodies.items():
+        along, across, spread = (values[row.name] for row in changing_body_rows(name))
         mass = float(evaluate_mass(f"{name}_mass"))
         own = 0.0 if rates else spread / mass
         parts[link].append(LinkPart(mass, along, across, own, own))

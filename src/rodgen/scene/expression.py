@@ -5,9 +5,9 @@ from __future__ import annotations
 import ast
 import math
 from collections import Counter
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
-from functools import cached_property, lru_cache, partial
+from functools import cached_property, lru_cache
 from typing import Any
 
 import numpy as np
@@ -24,17 +24,18 @@ Numbers = tuple[tuple[str, float | grammar.TableData | None], ...]
 
 @dataclass(frozen=True)
 class PartFunction:
-    """Difference of two parts of an expression, or one part alone, as a function of the variable.
-    Two are equal where the parts and the values of their numbers are."""
+    """Difference of two parts of an expression, or one part alone, as a function of the variable
+    and of signals by name. Two are equal where the parts and the values of their numbers are."""
 
     a: ast.expr
     b: ast.expr | None
     variable: str
     numbers: Numbers
 
-    def __call__(self, at: Any) -> Any:
+    def __call__(self, at: Any, signals: Mapping[str, Any] | None = None) -> Any:
         with np.errstate(all="ignore"):
-            names = {**dict(self.numbers), self.variable: np.asarray(at, dtype=float)}
+            here = {self.variable: np.asarray(at, dtype=float)}
+            names = dict(self.numbers) | here | dict(signals or {})
             found = grammar.evaluate(self.a, names)
             return found if self.b is None else found - grammar.evaluate(self.b, names)
 
@@ -65,7 +66,7 @@ class Expression:
     def _check_constants(self) -> None:
         """Raise InputError where a part that is constant is not finite."""
         with np.errstate(all="ignore"):
-            for part in _constant_parts(self._tree, frozenset(self._known)):
+            for part in self._constant_parts:
                 if not np.isfinite(grammar.evaluate(part, self._values)):
                     raise self._error(part)
 
@@ -82,7 +83,7 @@ class Expression:
         return dict(self.numbers)
 
     @cached_property
-    def _all_names(self) -> list[str]:
+    def _all_names(self) -> tuple[str, ...]:
         """Names in it, in the order of the text."""
         return grammar.names_in(self._tree)
 
@@ -90,6 +91,11 @@ class Expression:
     def _known(self) -> set[str]:
         """Names of numbers that have a value."""
         return {name for name, value in self.numbers if value is not None}
+
+    @property
+    def _constant_parts(self) -> Iterator[ast.AST]:
+        """Its largest parts that have only numbers with a value."""
+        return grammar.constant_parts(self._tree, self._known)
 
     def _error(self, node: ast.AST | None, allowed: str = "") -> InputError:
         """Error for a part of it; allowed: what may stand in its place, by default the grammar."""
@@ -119,8 +125,7 @@ class Expression:
 
     def at_value(self, at: float) -> str:
         """The text with a number in place of the variable."""
-        tree = grammar.replace_names(self._tree, {self.variable: at})
-        return ast.unparse(tree)
+        return grammar.replace_names(self._tree, {self.variable: repr(float(at))})
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -198,8 +203,8 @@ class Expression:
             return ast.Name(name)
 
         tree = grammar.replace_numbers(self._tree, make_name)
-        own = {name: value for name, value in self.numbers if value is not None}
-        return ast.unparse(tree), values | {name: own[name] for name in self.names if name in own}
+        own = {name: self._values[name] for name in self.names if name in self._known}
+        return ast.unparse(tree), values | own
 
     @property
     def knot_names(self) -> list[list[str]]:
@@ -222,12 +227,11 @@ class Expression:
         return list(grammar.find_tables(self._tree))
 
     def accepts(self, values: Mapping[str, float]) -> bool:
-        """Whether its constant parts stay finite, as they must, with other values of some of its
-        numbers."""
+        """Whether its constant parts stay finite, as they must, with other values of numbers."""
         names = self._values | {name: np.float64(value) for name, value in values.items()}
         with np.errstate(all="ignore"):
-            parts = _constant_parts(self._tree, frozenset(self._known))
-            return all(bool(np.isfinite(grammar.evaluate(part, names))) for part in parts)
+            found = (grammar.evaluate(part, names) for part in self._constant_parts)
+            return all(map(np.isfinite, found))
 
     def with_values(self, values: Mapping[str, Any]) -> Expression:
         """Copy with values of its numbers and tables; those of other names are ignored."""
@@ -243,12 +247,7 @@ class Expression:
 
     def __call__(self, at: Any) -> Any:
         """Value at a number or an array; not-a-number and infinity where the maths has them."""
-        return self._evaluate_at(self._tree, at)
-
-    def _evaluate_at(self, part: ast.expr, at: Any) -> Any:
-        with np.errstate(all="ignore"):
-            x = np.asarray(at, dtype=float)
-            return grammar.evaluate(part, self._values | {self.variable: x})
+        return self.evaluate(np.asarray(at, dtype=float), {})
 
     def source(
         self,
@@ -286,8 +285,7 @@ class Expression:
         ]
 
     def switches(self) -> dict[str, Difference]:
-        """Functions of the variable and the signals in whose zeros the expression is not smooth in
-        the motion, by their text."""
+        """Functions in whose zeros the expression is not smooth in the motion, by their text."""
         return self._differences(self._reads_signals)
 
     def jumps(self) -> frozenset[str]:
@@ -301,7 +299,7 @@ class Expression:
 
     def _differences(self, taken: Callable[..., bool]) -> dict[str, Difference]:
         return {
-            _difference_text(a, b): partial(self._evaluate_difference, a, b)
+            _difference_text(a, b): self._part_function(a, b)
             for a, b in self._kink_pairs
             if taken(a, b)
         }
@@ -325,14 +323,6 @@ class Expression:
             return [(argument, call)]
         assert isinstance(data, grammar.TableData)
         return list(_knot_pairs(argument, data))
-
-    def _evaluate_difference(
-        self, a: ast.expr, b: ast.expr | None, at: Any, signals: Mapping[str, Any]
-    ) -> Any:
-        with np.errstate(all="ignore"):
-            names = self._values | {self.variable: at} | dict(signals)
-            less = grammar.evaluate(b, names) if b else 0.0
-            return grammar.evaluate(a, names) - less
 
     def _reads_signals(self, *parts: ast.expr | None) -> bool:
         """Whether any of some parts follows a state or a sensor."""
@@ -384,7 +374,7 @@ class Expression:
         parts = grammar.divisors(self._tree)
         open_to = {self.variable, *(self.states or ())}
         kept = (part for part in parts if open_to.intersection(grammar.names_in(part)))
-        return [partial(self._evaluate_difference, part, None) for part in kept]
+        return [self._part_function(part, None) for part in kept]
 
     def not_finite_message(self, at: float) -> str:
         """Message that it is not finite at this value of the variable."""
@@ -403,10 +393,6 @@ def _difference_text(a: ast.expr, b: ast.expr | None) -> str:
     return " - ".join(ast.unparse(part) for part in (a, b) if part)
 
 
-def _constant_parts(node: ast.expr, known: frozenset[str]) -> tuple[ast.AST, ...]:
-    return tuple(grammar.constant_parts(node, set(known)))
-
-
 @lru_cache(maxsize=256)
 def _open_core(node: ast.expr, variable: str, states: tuple[str, ...] | None) -> Expression:
     """Expression of a part of a tree, without values of its numbers."""
@@ -423,7 +409,7 @@ def open_expression(text: str, variable: str, states: tuple[str, ...] = ()) -> E
     """An expression of a module, whose numbers have names and no values; other names are refused
     where the module's structure is checked."""
     tree = grammar.parse(text, "expressions")
-    names = grammar.names_in(tree) if tree is not None else []
+    names = grammar.names_in(tree) if tree is not None else ()
     others = {variable, *(grammar.signals_in(tree, states) if tree is not None else ())}
     numbers = tuple((name, None) for name in names if name not in others)
     return Expression(text, variable, "expressions", numbers, states)

@@ -133,10 +133,14 @@ class IntegrationTable(Table):
     def used_settings(self) -> dict[str, Any]:
         """The settings that the method uses, by name."""
         given = self.model_dump(exclude_none=True)
-        useless = ("rtol", "atol") if self.has_fixed_step else ("step",)
-        for name in (*useless, *(["output_every"] if "t_eval" in given else [])):
+        for name in (*self.unused_settings, *(["output_every"] if "t_eval" in given else [])):
             given.pop(name, None)
         return given
+
+    @property
+    def unused_settings(self) -> tuple[str, ...]:
+        """Names of tolerances, or of the step, that the method does not use."""
+        return ("rtol", "atol") if self.has_fixed_step else ("step",)
 
     @property
     def step_tolerances(self) -> tuple[float, float]:
@@ -196,12 +200,11 @@ def check_settings_used(
     of the names in messages. A scene itself may have both a step and tolerances, so that its method
     can be changed alone.
     """
-    useless = ("rtol", "atol") if settings.has_fixed_step else ("step",)
     why = "has a fixed step" if settings.has_fixed_step else "chooses its own steps"
     if given.get("t_eval") is not None and given.get("output_every") is not None:
         allowed = "absent: t_eval has the times of the samples"
         raise InputError(f"{prefix}output_every", given["output_every"], allowed)
-    for name in useless:
+    for name in settings.unused_settings:
         if given.get(name) is not None:
             raise InputError(f"{prefix}{name}", given[name], f"absent: {settings.method} {why}")
 

@@ -184,8 +184,7 @@ def find_value(
 def find_unused_names(
     given: dict[str, Any], numbers: Collection[str], tables: Collection[str]
 ) -> Iterator[str]:
-    """Yield a sentence on each number and table that no expression in the tables of a scene
-    names."""
+    """Yield a sentence on each number and table that no expression of a scene names."""
     named = numbers_in_use(given)
     for name in numbers:
         if name not in named:

@@ -2,16 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import lru_cache, partial
-from typing import Any
 
 import numpy as np
 
 from rodgen.arrays import Array
 from rodgen.errors import InputError
-from rodgen.scene.bounds import find_out_of_bounds, with_neighbours, zeros_on_grid
+from rodgen.scene.bounds import Field, find_out_of_bounds, with_neighbours, zeros_on_grid
 from rodgen.scene.expression import Difference, Expression, Numbers, parse_expression
 
 Along = float | list[float] | str  # a number, values along the rod, or an expression in s
@@ -29,12 +28,12 @@ BREAKS = 10_000  # at both sides of which an expression in t is looked at; of mo
 @dataclass(frozen=True)
 class Law:
     """A value along a rod: a number, one for every joint or link, or an expression; numbers: values
-    of the names in expressions; names: the variables that these may have, of s and t."""
+    of the names in expressions; variables: those that these may have, of s and t."""
 
     value: Along
     field: str
     numbers: Numbers = ()
-    names: str = "s"
+    variables: str = "s"
 
     @property
     def uniform_value(self) -> float | None:
@@ -47,7 +46,8 @@ class Law:
     @property
     def is_time_dependent(self) -> bool:
         """Whether it is a function of time."""
-        return isinstance(self.value, str) and "t" in self.names and self.expression.has_variable
+        is_timed = isinstance(self.value, str) and "t" in self.variables
+        return is_timed and self.expression.has_variable
 
     def check(
         self, links: int, count: int, least: float = 0.0, span: Sequence[float] = (0.0, 0.0)
@@ -68,7 +68,7 @@ class Law:
     def check_poles(self, span: Sequence[float]) -> None:
         """Raise InputError for an expression with a pole at some s of the rod. One that is infinite
         all along the rod at some time is left alone: it ends a run there."""
-        if isinstance(self.value, str) and "s" in self.names:
+        if isinstance(self.value, str) and "s" in self.variables:
             found = _first_pole_along(self, (span[0], span[1]))
             if found is not None:
                 when = f" and t = {found[0]:.6g}" if self.is_time_dependent else ""
@@ -78,15 +78,14 @@ class Law:
     def at(self, places: Array, t: float = 0.0) -> Array:
         """Values at places s and a time t; not of a list."""
         given: object = self.value
-        if isinstance(self.value, str) and self.names == "s":
+        if isinstance(self.value, str) and self.variables == "s":
             given = self.expression(places)
         elif isinstance(self.value, str):
             given = self.expression.evaluate(np.asarray(t, dtype=float), {"s": places})
         return np.broadcast_to(np.asarray(given, dtype=float), places.shape)
 
     def link_values(self, links: int, t: float = 0.0) -> list[float]:
-        """Value of every link: its own, or the mean over it. Raises InputError where that is not
-        finite."""
+        """Value of every link: its own, or the mean. Raises InputError where that is not finite."""
         if isinstance(self.value, list):
             return self.value
         if not isinstance(self.value, str):
@@ -103,14 +102,14 @@ class Law:
     def expression(self) -> Expression:
         """The expression of a value that is text."""
         assert isinstance(self.value, str)
-        return _parse(self.value, self.field, self.numbers, self.names)
+        return _parse(self.value, self.field, self.numbers, self.variables)
 
 
-def _parse(text: str, field: str, numbers: Numbers, names: str) -> Expression:
+def _parse(text: str, field: str, numbers: Numbers, variables: str) -> Expression:
     """Parse an expression in s, in t or in both."""
-    if names == "s":
+    if variables == "s":
         return parse_expression(text, "s", field, numbers)
-    found = parse_expression(text, "t", field, numbers, ("s",) if "s" in names else None)
+    found = parse_expression(text, "t", field, numbers, ("s",) if "s" in variables else None)
     if found.sensors:
         allowed = "an expression that no sensor is in: it does not follow the motion"
         raise InputError(field, text, allowed)
@@ -119,19 +118,17 @@ def _parse(text: str, field: str, numbers: Numbers, names: str) -> Expression:
 
 @lru_cache(maxsize=64)
 def _describe_violation(law: Law, links: int, span: tuple[float, float], least: float) -> str:
-    """Words on where and when an expression is not finite or below `least`; empty where it never
-    is."""
-    found = find_out_of_bounds(
-        _as_field(law), _sample_times(law, span), _sample_places(law, links, span), least
-    )
+    """Words on where and when an expression is not finite or below `least`; empty if never."""
+    times, places = _sample_times(law, span), _sample_places(law, links, span)
+    found = find_out_of_bounds(_as_field(law, law.expression.evaluate), times, places, least)
     found = found or next(_find_poles(law, span), None)
     if found is None:
         return ""
     t, s, value = found
-    at = f"s = {s:.6g}" if "s" in law.names else ""
+    at = f"s = {s:.6g}" if "s" in law.variables else ""
     when = f"t = {t:.6g}" if law.is_time_dependent else ""
     where = " and ".join(filter(None, (at, when)))
-    everywhere = "all along the rod" if "s" in law.names else "all the time"
+    everywhere = "all along the rod" if "s" in law.variables else "all the time"
     return f"{everywhere} (not {value:g}, as at {where})"
 
 
@@ -140,9 +137,9 @@ def _find_poles(law: Law, span: tuple[float, float]) -> Iterator[tuple[float, ..
     e = law.expression
     if not e.open_divisors():
         return
-    if "s" in law.names and (along := _first_pole_along(law, span)):
+    if "s" in law.variables and (along := _first_pole_along(law, span)):
         yield (*along, np.inf)
-    if law.names != "s" and law.is_time_dependent:
+    if law.variables != "s" and law.is_time_dependent:
         for s in SOME:
             there = replace(e, states=None, numbers=(*e.numbers, ("s", s)))
             yield from ((t, s, np.inf) for t in there.poles(*span))
@@ -150,16 +147,15 @@ def _find_poles(law: Law, span: tuple[float, float]) -> Iterator[tuple[float, ..
 
 @lru_cache(maxsize=64)
 def _first_pole_along(law: Law, span: tuple[float, float]) -> tuple[float, float] | None:
-    """First sampled time at which an expression has a pole along the rod, and its place; None where
-    there is none."""
+    """First sampled time at which an expression has a pole along the rod, and its place, if any."""
     e = law.expression
     if not e.divisors():
         return None
     times = np.linspace(*span, STAGES) if law.is_time_dependent else np.array(span[:1])
     for t in times.tolist():
         try:
-            known = (*e.numbers, ("t", t))
-            there = e if law.names == "s" else replace(e, variable="s", states=None, numbers=known)
+            alone, known = law.variables == "s", (*e.numbers, ("t", t))
+            there = e if alone else replace(e, variable="s", states=None, numbers=known)
         except InputError:  # all along the rod, where it stops a run
             continue
         if found := there.poles(0.0, 1.0):
@@ -167,14 +163,9 @@ def _first_pole_along(law: Law, span: tuple[float, float]) -> tuple[float, float
     return None
 
 
-def _as_field(law: Law) -> Callable[[Any, Any], Any]:
-    """An expression as a function of times and places."""
-    e = law.expression
-    return (
-        (lambda t, s: e.evaluate(s, {}))
-        if law.names == "s"
-        else (lambda t, s: e.evaluate(t, {"s": s}))
-    )
+def _as_field(law: Law, of: Difference) -> Field:
+    """An expression, or a difference or a divisor of it, as a function of times and places."""
+    return (lambda _, s: of(s, {})) if law.variables == "s" else (lambda t, s: of(t, {"s": s}))
 
 
 def _sample_times(law: Law, span: tuple[float, float]) -> Array:
@@ -182,36 +173,25 @@ def _sample_times(law: Law, span: tuple[float, float]) -> Array:
     if not law.is_time_dependent:
         return np.array(span[:1])
     e, grid = law.expression, np.linspace(*span, MOMENTS)
-    poles = (partial(_evaluate_in_time, one, s=s) for one in e.open_divisors() for s in SOME)
+    fields = [_as_field(law, one) for one in e.open_divisors()]
+    poles = (lambda t, of=of, s=s: of(t, s) for of in fields for s in SOME)
     breaks = e.breaks(*span)
     found = {*breaks[:: len(breaks) // BREAKS + 1], *zeros_on_grid(poles, grid)}
     return np.unique(np.concatenate((grid, with_neighbours(found, *span))))
 
 
-def _evaluate_in_time(difference: Difference, t: Any, s: Any) -> Any:
-    """Evaluate a difference or divisor of an expression in t, at times and places."""
-    return difference(t, {"s": s})
-
-
 def _sample_places(law: Law, links: int, span: tuple[float, float]) -> Array:
     """Places at which an expression is sampled, those at which links sum it up among them."""
-    if "s" not in law.names:
+    if "s" not in law.variables:
         return np.zeros(1)
     grid, each = (GRID[::10], min(links, CELLS)) if law.is_time_dependent else (GRID, 2 * links)
     e = law.expression
-    parts, knots = [*e.corners().values(), *e.open_divisors()], list[float]()
-    if law.names == "s":
-        knots, alone = e.knots(), [partial(_evaluate_along_rod, one) for one in parts]
-    else:
-        times = {span[0], sum(span) / 2, span[1]} if law.is_time_dependent else {span[0]}
-        alone = [partial(_evaluate_in_time, one, t) for one in parts for t in times]
+    fields = [_as_field(law, one) for one in (*e.corners().values(), *e.open_divisors())]
+    times = {span[0], sum(span) / 2, span[1]} if law.is_time_dependent else {span[0]}
+    alone = [partial(of, t) for of in fields for t in times]
+    knots = e.knots() if law.variables == "s" else []
     found = with_neighbours([*zeros_on_grid(alone, grid), *knots], 0.0, 1.0)
     return np.unique(np.concatenate((grid, gauss_points(each).ravel(), found)))
-
-
-def _evaluate_along_rod(difference: Difference, s: Any) -> Any:
-    """Evaluate a difference or divisor of an expression in s, at places."""
-    return difference(s, {})
 
 
 def gauss_points(cells: int) -> Array:

@@ -177,8 +177,7 @@ def check_states(names: Iterable[str], numbers: Iterable[str]) -> None:
 
 
 def mass_name(body: str) -> str:
-    """Name in a module of the mass of a body that changes with time, or for an empty name of that
-    of the links."""
+    """Name in a module of a mass that changes with time: of a body, or, of "", of the links."""
     return f"body_{body}_mass" if body else MASS_PER_LENGTH.name
 
 

@@ -45,12 +45,10 @@ def _make_field(parameter: Parameter) -> tuple[Any, Any]:
     """Type and default of a key, for pydantic."""
     if parameter.each == JOINTS:
         return FinFactor | Factors, FinFactor()
-    kind = RULES[parameter.rule]
+    kind, default = RULES[parameter.rule], parameter.default
     if parameter.each == LINKS:
         kind |= VALUES[parameter.rule] | str
-    return kind | str if parameter.timed else kind, (
-        ... if parameter.default is None else parameter.default
-    )
+    return kind | str if parameter.timed else kind, ... if default is None else default
 
 
 def _make_load_table(term: Term) -> type[Table]:

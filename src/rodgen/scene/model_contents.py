@@ -120,9 +120,8 @@ def _term_part(scene: Scene, term: Term) -> ModelPart:
     if term.name not in scene.structure.loads:
         return ModelPart(name, False, f"no {table}")
     if term.kind == DAMPER and not scene.boundary_condition.spring_joints(scene.rod.links):
-        return ModelPart(
-            name, False, "one link has no inner joint; the parameter is taken, not used"
-        )
+        unused = "one link has no inner joint; the parameter is taken, not used"
+        return ModelPart(name, False, unused)
     laws, fed = scene.expressions, scene.feedback_loads
     functions = [
         f"{one.key} {'follows the motion' if one.name in fed else 'is a function of t'}, "

@@ -200,8 +200,7 @@ def _hidden_character_message(text: str) -> str:
 
 
 def _size_message(text: str) -> str:
-    """Message on a text that would take the parser minutes, or deeper than Python calls; empty
-    where it would not."""
+    """Message on a text that would take the parser minutes or too deep; empty for any other."""
     bare = IN_LIST.sub("0", TEXT.sub("x", text))
     marks = np.frombuffer(bare.encode(), np.uint8)
 

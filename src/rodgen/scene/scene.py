@@ -31,36 +31,11 @@ from rodgen.scene.structure import check_links
 LINKS = "rod.links"
 
 # Members that only systems, analyses and the making of modules read.
-PARTS = frozenset(
-    (
-        *(
-            "loads_along_rod",
-            "link_values_at",
-            "anchors",
-            "check_numbers_in_use",
-            "time_laws",
-            "distribution",
-        ),
-        *(
-            "distribution_at",
-            "expression",
-            "expressions",
-            "feedback_loads",
-            "key_of",
-            "n_fixed_links",
-            "boundary_condition",
-        ),
-        *(
-            "with_checked_settings",
-            "with_method",
-            "key_path",
-            "state_rates",
-            "has_no_tangent_stiffness",
-            "spring_law",
-            "time_dependent_loads",
-        ),
-        *("unused_names", "with_settings"),
-    )
+PARTS = (
+    "loads_along_rod link_values_at anchors check_numbers_in_use time_laws distribution "
+    "distribution_at expression expressions feedback_loads key_of n_fixed_links "
+    "boundary_condition with_checked_settings with_method key_path state_rates "
+    "has_no_tangent_stiffness spring_law time_dependent_loads unused_names with_settings"
 )
 
 
@@ -99,7 +74,7 @@ class Scene(SceneTables, Plottable):
 
     def __dir__(self) -> list[str]:
         """Names that editors complete, without those that only extensions of rodgen need."""
-        return [name for name in super().__dir__() if name not in PARTS]
+        return [name for name in super().__dir__() if name not in PARTS.split()]
 
     @classmethod
     def from_toml(cls, path: str | Path) -> Self:

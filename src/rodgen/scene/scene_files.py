@@ -250,8 +250,7 @@ def _check_header(header: Sequence[str], between: str, refused: Refused) -> None
 
 
 def _separator(line: str, numbers: int) -> str | None:
-    """Separator of the fields of a row that begins with `numbers` numbers, "" for blanks; None for
-    a line that is no row."""
+    """Separator of a row that begins with so many numbers, "" for blanks; None if it is no row."""
     for between in (";", "\t", "", ","):
         fields = _split_fields(line, between)
         first = map(_parse_number, fields[:numbers])

@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 import operator
-import re
 from functools import cached_property
-from typing import Any, ClassVar, Self
+from typing import Any, ClassVar, Self, get_args
 
 import numpy as np
 from numpy.typing import NDArray
@@ -30,7 +29,7 @@ from rodgen.scene.expression import Expression, Numbers, parse_expression
 from rodgen.scene.grammar import TableData
 from rodgen.scene.integration import EventTable, IntegrationTable, check_events
 from rodgen.scene.law import Law
-from rodgen.scene.literals import check_names, check_states, mass_name
+from rodgen.scene.literals import NAME, check_names, check_states, mass_name
 from rodgen.scene.load_tables import FinFactor, Loads
 from rodgen.scene.lookup_table import MOST_ROWS, LookupTable, parse_table
 from rodgen.scene.plain_tables import to_plain
@@ -93,12 +92,8 @@ class SceneTables(Table):
     def _validate_array(cls, tables: Any, info: ValidationInfo) -> list[Any]:
         """Validate the tables of an array one by one, so that errors name the place."""
         key = str(info.field_name)
-        kinds: dict[str, type[Table]] = {
-            "events": EventTable,
-            "bodies": BodyTable,
-            "supports": SupportTable,
-        }
-        return validate_tables(key, tables, kinds[key])
+        (kind,) = get_args(cls.model_fields[key].annotation)
+        return validate_tables(key, tables, kind)
 
     @field_validator("states", mode="before")
     @classmethod
@@ -122,7 +117,7 @@ class SceneTables(Table):
 
     @model_validator(mode="after")
     def _check_consistency(self) -> Self:
-        if not re.fullmatch(r"[A-Za-z][A-Za-z0-9_]{0,63}", self.name):
+        if not NAME.fullmatch(self.name):
             raise InputError("name", self.name, "a plain identifier of at most 64 ASCII characters")
         rates = [spring_law.NAME, *(f"{name}_rate" for name in self.states)]
         masses = [mass_name(body.name) for body in self.bodies]
@@ -215,12 +210,8 @@ class SceneTables(Table):
         if isinstance(value, FinFactor):
             return value.values(links)
         if PARAMETERS[name].each == LINKS:
-            law = self._law(name)
-            return (
-                law.link_values(links, self.integrate.span[0])
-                if not law.is_time_dependent
-                else None
-            )
+            law, start = self._law(name), self.integrate.span[0]
+            return None if law.is_time_dependent else law.link_values(links, start)
         # A text without t is a number like any other.
         return value if text is None else float(text(0.0)) if text.is_constant else None
 
@@ -323,14 +314,17 @@ class SceneTables(Table):
     @property
     def time_dependent_loads(self) -> dict[str, Expression]:
         """Parameters that change with time alone, by name."""
-        found = self.expressions.keys() - self.loads_along_rod.keys()
-        return {name: e for name, e in self.expressions.items() if name in found and not e.signals}
+        return {name: e for name, e in self._single_loads.items() if not e.signals}
 
     @property
     def feedback_loads(self) -> dict[str, Expression]:
         """Parameters that follow the motion, by name."""
-        found = self.expressions.keys() - self.loads_along_rod.keys()
-        return {name: e for name, e in self.expressions.items() if name in found and e.signals}
+        return {name: e for name, e in self._single_loads.items() if e.signals}
+
+    @property
+    def _single_loads(self) -> dict[str, Expression]:
+        """Parameters of one number that change with time or with the motion, by name."""
+        return {name: e for name, e in self.expressions.items() if not PARAMETERS[name].each}
 
     @property
     def state_rates(self) -> dict[str, Expression]:
@@ -349,7 +343,7 @@ class SceneTables(Table):
         if "stiffness" in along.nonuniform:
             values["joint_stiffness"] = along.joint_stiffness
         if {*along.nonuniform} - {"stiffness"}:
-            values |= along.link_parameters(steady=bool(along.changing_masses))
+            values |= along.link_parameters()
         values |= along.changing_mass_parameters
         values |= {name: self._load_value(name) for name in self.loads.parameters}
         for name, text in self.expressions.items():
@@ -379,26 +373,12 @@ class SceneTables(Table):
     @cached_property
     def time_laws(self) -> TimeLaws:
         """Functions of time in the scene, over the span."""
-        laws = [*self.expressions.values(), *self.state_rates.values()]
-        masses = [mass for *_, mass in self.distribution.changing_masses]
-        fed = [*self.feedback_loads.values(), *self.state_rates.values()]
-        timed, along = (
-            tuple(self.time_dependent_loads.values()),
-            tuple(self.loads_along_rod.values()),
-        )
+        groups = self._single_loads, self.loads_along_rod, self.state_rates
+        single, along, rates = (tuple(of.values()) for of in groups)
+        masses = tuple(mass for *_, mass in self.distribution.changing_masses)
         law, (start, end) = self.spring_law, self.integrate.span
-        return TimeLaws(
-            start,
-            end,
-            (*laws, *masses),
-            timed,
-            along,
-            tuple(fed),
-            spread=(*along, *masses),
-            links=self.rod.links,
-            spring=(law, tuple(self.distribution.joint_stiffness)) if law else None,
-            masses=tuple(masses),
-        )
+        spring = (law, tuple(self.distribution.joint_stiffness)) if law else None
+        return TimeLaws(start, end, single, along, rates, masses, self.rod.links, spring)
 
     def breaks(self) -> list[float]:
         """Break points: times inside the span [s] at which a load, the rate of a state or a mass is

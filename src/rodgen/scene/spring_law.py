@@ -21,8 +21,7 @@ NEAR = 1e-6  # rad
 
 @lru_cache(maxsize=64)
 def parse_spring_law(text: str, numbers: Numbers) -> Expression:
-    """Parse the spring law of a scene; numbers: those that it may name. Raises InputError for a
-    text that is no such law."""
+    """Parse the spring law of a scene; numbers: those that it may name. Raises InputError."""
     found = Expression(text, BEND, FIELD, ((STIFFNESS, None), *numbers))
     known = dict(numbers)
     for name in found.names:
@@ -66,9 +65,4 @@ def refine(text: str, ratio: float) -> str:
     """Law of the same rod with `ratio` times as many links: of joints that a curvature bends by
     1/ratio of the angle, and whose k is ratio times as large."""
     grown = {BEND: f"({BEND}*{ratio!r})", STIFFNESS: f"({STIFFNESS}/{ratio!r})"}
-
-    class Renamed(ast.NodeTransformer):
-        def visit_Name(self, node: ast.Name) -> ast.expr:
-            return ast.parse(grown.get(node.id, node.id), mode="eval").body
-
-    return ast.unparse(Renamed().visit(ast.parse(text.strip(), mode="eval")))
+    return grammar.replace_names(ast.parse(text.strip(), mode="eval").body, grown)

@@ -19,9 +19,8 @@ from rodgen.model.rod import (
     NONUNIFORM,
     ROD,
     STEADY,
-    TANK,
     Boundary,
-    tank_row,
+    changing_body_rows,
 )
 from rodgen.model.term import ANY, JOINTS, LINKS, NOT_NEGATIVE, SPRINGS, Parameter
 from rodgen.model.terms import PARAMETERS, TERMS, THESIS_TERMS, load_places
@@ -171,7 +170,7 @@ class Structure:
         return {mass_name(name): open_expression(e, "t", ("s",)) for name, _, e in self.masses}
 
     @property
-    def tanks(self) -> dict[str, int]:
+    def changing_bodies(self) -> dict[str, int]:
         """Links of the bodies whose masses are functions of time, by the prefix of their
         parameters."""
         return {f"body_{name}": link for name, link, _ in self.masses if name}
@@ -220,7 +219,7 @@ class Structure:
         timed = dict(self.expressions)
         own = [PARAMETERS[name] for name in self._own_parameters if name not in timed]
         own += starmap(number_parameter, self.numbers.items())
-        own += (tank_row(name, what) for name in self.tanks for what in TANK)
+        own += (row for name in self.changing_bodies for row in changing_body_rows(name))
         own += (table_parameter(name) for name, _ in self.tables)
         return tuple(sorted(own, key=lambda one: one.is_array))
 
@@ -296,10 +295,8 @@ class Structure:
         """Content hash: equal for scenes that need the same code."""
         content: list[object] = [self.links, self.boundary, self.inertia, self.terms]
         content += [self.expressions, *([self.nonuniform] if self.nonuniform else [])]
-        content += [{"states": self.states}] if self.states else []
-        content += [{"spring": self.spring}] if self.spring else []
-        content += [{"masses": self.masses}] if self.masses else []
-        content += [{"tables": self.tables}] if self.tables else []
+        later = ("states", "spring", "masses", "tables")
+        content += [{name: getattr(self, name)} for name in later if getattr(self, name)]
         return hashlib.sha256(json.dumps(content).encode()).hexdigest()[:16]
 
 
@@ -328,8 +325,7 @@ def _sort_terms(terms: tuple[str, ...]) -> tuple[str, ...]:
 
 
 def _check_term(text: str, links: int) -> None:
-    """Raise InputError for a term that is not in the vocabulary, or at a place that it cannot have
-    on so many links."""
+    """Raise InputError for a term that is unknown, or at a place that it cannot have."""
     kind, at, place = text.partition("@")
     check_choice("terms", kind, TERMS)
     if not at:

@@ -113,8 +113,7 @@ def check_count(key: str, tables: Sized) -> None:
 
 
 def validate_tables(key: str, tables: Any, kind: type[Table]) -> list[Any]:
-    """Validate the tables of an array, [[key]], one by one, so that errors name the place. Raises
-    InputError."""
+    """Validate the tables of an array, [[key]], one by one. Raises InputError with the place."""
     if not isinstance(tables, list):
         raise InputError(key, tables, f"an array of tables, [[{key}]]")
     check_count(key, tables)
@@ -213,8 +212,7 @@ class BodyTable(Table):
 
 
 def check_bodies(bodies: list[BodyTable], rod: RodTable) -> None:
-    """Raise InputError unless every body has a name of its own and a place that the rod has for
-    it."""
+    """Raise InputError unless every body has a name of its own and a place on the rod."""
     first: dict[str, int] = {}
     for i, body in enumerate(bodies):
         if first.setdefault(body.name, i) != i:

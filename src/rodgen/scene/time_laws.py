@@ -70,22 +70,19 @@ def _spring_switch(difference: Difference, stiffness: tuple[float, ...]) -> Swit
 class TimeLaws:
     """The expressions of a scene from start to end [s].
 
-    all: of loads, rates of states and masses; timed: loads of time alone; along: loads that may
-    differ from link to link; fed: loads and rates that follow the motion; spread: loads and masses
-    along the rod, of s and t, which links sum up at quadrature points; links: their number; spring:
-    the law of the springs, and their stiffness; masses: of links and bodies.
+    single: loads of one number, by time or by the motion; along: loads that may differ from link to
+    link; rates: of states; masses: of links and bodies; links: their number; spring: the law of the
+    springs, and their stiffness.
     """
 
     start: float
     end: float
-    all: tuple[Expression, ...]
-    timed: tuple[Expression, ...]
+    single: tuple[Expression, ...]
     along: tuple[Expression, ...]
-    fed: tuple[Expression, ...]
-    spread: tuple[Expression, ...] = ()
-    links: int = 0
+    rates: tuple[Expression, ...]
+    masses: tuple[Expression, ...]
+    links: int
     spring: tuple[Expression, tuple[float, ...]] | None = None
-    masses: tuple[Expression, ...] = ()
 
     @classmethod
     def from_structure(
@@ -102,21 +99,33 @@ class TimeLaws:
         def with_numbers(of: Mapping[str, Expression]) -> tuple[Expression, ...]:
             return tuple(e.with_values(numbers) for e in of.values())
 
-        loads = with_numbers(structure.open_expressions)
+        groups = structure.open_expressions, structure.open_along, structure.open_masses
+        single, along, masses = map(with_numbers, groups)
         rates = tuple(
             replace(e, field=f"states.{name}.rate").with_values(numbers)
             for name, e in structure.open_rates.items()
         )
-        along, masses = with_numbers(structure.open_along), with_numbers(structure.open_masses)
-        fed = (*(e for e in loads if e.signals), *rates)
-        timed = tuple(e for e in loads if not e.signals)
-        every, spread = (*loads, *along, *rates, *masses), (*along, *masses)
         spring = None
         if stiffness:
             names = (name for name in structure.spring_law.names if name != STIFFNESS)
             law = spring_law(structure.spring, tuple((name, numbers[name]) for name in names))
             spring = law, stiffness
-        return cls(start, end, every, timed, along, fed, spread, structure.links, spring, masses)
+        return cls(start, end, single, along, rates, masses, structure.links, spring)
+
+    @property
+    def expressions(self) -> tuple[Expression, ...]:
+        """Loads, rates of states and masses."""
+        return (*self.single, *self.along, *self.rates, *self.masses)
+
+    @property
+    def feedback(self) -> tuple[Expression, ...]:
+        """Loads that follow the motion, and rates of states."""
+        return (*(e for e in self.single if e.signals), *self.rates)
+
+    @property
+    def _spread(self) -> tuple[Expression, ...]:
+        """Loads and masses along the rod, of s and t, which links sum up at quadrature points."""
+        return (*self.along, *self.masses)
 
     @cached_property
     def loads(self) -> list[Expression]:
@@ -126,7 +135,7 @@ class TimeLaws:
             for e in self.along
             for s in PLACES
         )
-        return [*self.timed, *found]
+        return [*(e for e in self.single if not e.signals), *found]
 
     def breaks(self) -> list[float]:
         """Break points: times inside the span at which a load, the rate of a state or a mass is not
@@ -137,7 +146,7 @@ class TimeLaws:
         """
         self.check_masses()
         found: list[float] = []
-        every = [at for e in self.all for at in e.breaks(self.start, self.end)]
+        every = [at for e in self.expressions for at in e.breaks(self.start, self.end)]
         for at in sorted([*every, *self._front_times]):
             # What two expressions compare may meet zero a rounding apart.
             if not found or at - found[-1] > 4 * np.spacing(abs(at)):
@@ -160,7 +169,7 @@ class TimeLaws:
     def _front_times(self) -> tuple[float, ...]:
         """Times at which a break point that moves along the rod passes a quadrature point; none
         where they are too many."""
-        found = (_passing_times(e, self.links, self.start, self.end) for e in self.spread)
+        found = (_passing_times(e, self.links, self.start, self.end) for e in self._spread)
         times = [at for some in found for at in some or ()]
         return tuple(times) if len(times) <= MOST_FRONTS else ()
 
@@ -168,16 +177,15 @@ class TimeLaws:
         """Expressions whose break points along the rod are too many to step onto."""
         return [
             e
-            for e in self.spread
+            for e in self._spread
             if (passing := _passing_times(e, self.links, self.start, self.end)) is None
             or (passing and not self._front_times)
         ]
 
     def switches(self) -> tuple[Switch, ...]:
-        """Switching functions of loads, rates of states and springs that are not smooth in the
-        motion."""
+        """Switching functions of all loads, rates and springs that are not smooth in the motion."""
         found, causes = dict[str, Difference](), dict[str, str]()
-        for law in self.fed:
+        for law in self.feedback:
             found |= law.switches()
             causes |= {
                 at: f"{law.field} = {shorten(law.text)} where {at} passes zero"

@@ -3,12 +3,3 @@
 from rodgen.system.parameter_map import ParameterMap, ParameterSlot
 from rodgen.system.parameter_range import ParameterLine, ParameterRange, system_at_start
 from rodgen.system.system import System
-
-__all__ = [
-    "ParameterLine",
-    "ParameterMap",
-    "ParameterRange",
-    "ParameterSlot",
-    "System",
-    "system_at_start",
-]

@@ -154,18 +154,10 @@ class ParameterMap:
     def _make_slot(
         self, keys: tuple[str, ...], p: NDArray[np.intp] = NOWHERE, y: NDArray[np.intp] = NOWHERE
     ) -> ParameterSlot:
-        table, inner = self._innermost_table(keys)
-        return ParameterSlot(p, y, table, inner)
-
-    def _innermost_table(self, keys: tuple[str, ...]) -> tuple[Table, tuple[str, ...]]:
-        """The innermost table on the way to a value, and the keys in it."""
-        found: Table = self._scene
-        depth = 0
-        for at in range(1, len(keys)):
-            inner = get_at(self._scene, *keys[:at])
-            if isinstance(inner, Table):
-                found, depth = inner, at
-        return found, keys[depth:]
+        """Make a slot whose values the innermost table on the way to them checks."""
+        outer = ((get_at(self._scene, *keys[:at]), keys[at:]) for at in range(len(keys) - 1, 0, -1))
+        found = (pair for pair in outer if isinstance(pair[0], Table))
+        return ParameterSlot(p, y, *next(found, (self._scene, keys)))
 
     @cached_property
     def _load_parameters(self) -> dict[tuple[str, ...], str]:
@@ -196,9 +188,8 @@ class ParameterMap:
         name = keys[-1]
         if len(keys) != 2 or name not in structure.slices or PARAMETERS[name].each:
             return None
-        weighed = {*structure.nonuniform} - {
-            "stiffness"
-        } or self._source.distribution.changing_masses
+        masses = {*structure.nonuniform} - {"stiffness"}
+        weighed = masses or self._source.distribution.changing_masses
         placed = structure.nonuniform or scene.supports or scene.foundation
         alone = {
             "bending_stiffness": True,

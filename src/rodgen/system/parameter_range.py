@@ -97,8 +97,7 @@ class ParameterRange:
 
     @cached_property
     def _is_linear(self) -> bool:
-        """Whether p lies on that line all along the range, as that of several supports at a point
-        does not."""
+        """Whether p lies on that line all along; that of several supports at a point does not."""
         middle = sum(self.bounds) / 2
         here, p = self.at(middle).p, self._line.parameters(middle) if self._line else 0.0
         return bool((np.abs(here - p) <= ROUNDING * np.abs(here)).all())
@@ -146,8 +145,7 @@ class ParameterLine:
 
 
 def _derivative_weights(x: float) -> Array:
-    """Weights of values at PLACES in a derivative at x, exact for polynomials up to the fourth
-    degree."""
+    """Weights of values at PLACES in a derivative at x, exact up to the fourth degree."""
     powers = np.arange(5)
     due = powers * x ** np.maximum(powers - 1, 0)
     return np.asarray(np.linalg.solve(np.vander(PLACES, increasing=True).T, due))

@@ -33,14 +33,11 @@ def angle_doubts(structure: Structure, p: Array, field: Callable[[str], str]) ->
 def initial_angle_doubts(
     structure: Structure, y0: Array, given: Callable[[], Any]
 ) -> Iterator[Note]:
-    """Yield the doubt about an initial angle of more than a turn; given: returns the angles of the
-    scene."""
+    """Yield the doubt about an initial angle of more than a turn; given: those of the scene."""
     turns = float(np.abs(y0[structure.angle_slice]).max(initial=0.0)) / TURN
     if turns > 1:
-        words = (
-            f"initial.phi = {shorten(given())} turns a link by {turns:.3g} turns: angles are in "
-        )
-        yield doubt(f"{words}radians", turns=turns)
+        words = f"initial.phi = {shorten(given())} turns a link by {turns:.3g} turns"
+        yield doubt(f"{words}: angles are in radians", turns=turns)
 
 
 def count_doubts(structure: Structure, p: Array, y0: Array) -> NDArray[np.intp]:

@@ -28,11 +28,8 @@ from rodgen.system.parameter_map import ParameterMap
 from rodgen.system.plausibility import angle_doubts, initial_angle_doubts
 
 SETTINGS = "integrate."
-# Cached properties: those that are scenes, and those of expressions in time.
-SCENES, LAWS = (
-    ("scene", "source"),
-    ("_time_law_scene", "time_laws", "expressions", "time_dependent_loads"),
-)
+# Cached properties: scenes with all its numbers, and the one that has its expressions in time.
+SCENES, LAWS = ("scene", "source"), ("_time_law_scene",)
 
 
 PLAIN = ("structure", "settings", "p", "y0")  # of a system, as they are
@@ -51,8 +48,8 @@ class System:
     >>> import rodgen
     >>> column = rodgen.System(rodgen.Scene.example("ziegler"))
     >>> pushed = column.at({"loads.follower.force": 2.5})
-    >>> column.value("follower_force") == pushed.value("follower_force"), pushed.value("mass")
-    (False, 6.0)
+    >>> [one.parameter("follower_force") for one in (column, pushed)], column.parameter("mass")
+    ([2.0, 2.5], 6.0)
     >>> p, y0 = column.batch_arrays({"loads.follower.force": [2.0, 2.5, 3.0]})
     >>> p.shape, y0.shape
     ((3, 6), (3, 4))
@@ -275,11 +272,8 @@ class System:
     def _with_other_scene(self, given: dict[str, Any]) -> System:
         """Make the system by another scene, for values that p and y0 cannot take."""
         settings = {k.removeprefix(SETTINGS): v for k, v in given.items() if k.startswith(SETTINGS)}
-        known = (
-            settings.keys() <= IntegrationSettings.__annotations__.keys()
-            and None not in settings.values()
-        )
-        if known and len(settings) == len(given):
+        known = settings.keys() <= IntegrationSettings.__annotations__.keys()
+        if known and len(settings) == len(given) and None not in settings.values():
             return self._with_integrate(self.settings.replace(settings))
         return self._from_source(with_values(self.source, given))
 
@@ -306,11 +300,8 @@ class System:
     def _from_state(self, y: ArrayLike) -> System:
         states = len(self.y0)
         state = np.asarray(to_plain(y, "y0"))
-        if (
-            state.dtype.kind not in "iuf"
-            or state.shape != (states,)
-            or not np.isfinite(state).all()
-        ):
+        real = state.dtype.kind in "iuf" and state.shape == (states,)
+        if not (real and np.isfinite(state).all()):
             allowed = f"{states} finite numbers, as the module's STATE has them"
             raise InputError("y0", y, allowed)
         values = initial_values(self._base, state.astype(float))
@@ -345,17 +336,17 @@ class System:
             return self._base
         return self.source if self.t is None else freeze(self.source, self.t)
 
-    @cached_property
+    @property
     def time_laws(self) -> TimeLaws:
         """Functions of time of the system, over the span."""
         return self._time_law_scene.time_laws
 
-    @cached_property
+    @property
     def expressions(self) -> dict[str, Expression]:
         """Parameters that change with time or with the motion, by name."""
         return self._time_law_scene.expressions
 
-    @cached_property
+    @property
     def time_dependent_loads(self) -> dict[str, Expression]:
         """Parameters that change with time alone, by name."""
         return self._time_law_scene.time_dependent_loads
@@ -402,7 +393,7 @@ class System:
         """Names of its loads."""
         return self._base.loads.terms
 
-    def value(self, name: str) -> Any:
+    def parameter(self, name: str) -> Any:
         """A parameter of the module, in SI units: a number, or an array of several.
 
         name: its name in the module.
@@ -413,7 +404,7 @@ class System:
     @property
     def parameters(self) -> dict[str, Any]:
         """All parameters of the module by name, in SI units."""
-        return {name: self.value(name) for name in self.structure.slices}
+        return {name: self.parameter(name) for name in self.structure.slices}
 
     def key_of(self, name: str) -> str:
         """Where a parameter of the module stands in the scene, as a dotted name.

@@ -66,7 +66,7 @@ def _halves(root: Array) -> tuple[slice, ...]:
 
 def is_autonomous(scene: Scene) -> bool:
     """Whether no load, state, mass or spring of a scene depends on the time."""
-    return not any(e.has_variable for e in scene.time_laws.all)
+    return not any(e.has_variable for e in scene.time_laws.expressions)
 
 
 def is_conservative(scene: Scene, model: ModuleType) -> bool:
@@ -81,7 +81,7 @@ def zero_exponents(scene: Scene, model: ModuleType) -> dict[str, int]:
     conservative = is_conservative(scene, model)
     if conservative:
         found["energy"] = 1
-    if scene.time_laws.fed or scene.states:
+    if scene.time_laws.feedback or scene.states:
         return found
     terms = [TERMS[name] for name in scene.structure.terms]
     anchored = any(term.kind == ANCHOR for term in terms)

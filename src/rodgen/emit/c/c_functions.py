@@ -33,6 +33,8 @@ def programs(
     analysed: dict[str, AnalysedFunction] = {}
     codes: dict[str, Code] = {}
     more: dict[str, Any] = {"tangents_made": []}
+    structure, masses = functions.structure, Masses(functions.structure)
+    places, link_masses = structure.slices, masses.link_codes(SCENE)
     outputs = {"rhs": functions.chain_outputs, "flow": functions.chain_outputs | functions.power}
     for part in (part for part in outputs if part in parts):
         analysed[part] = functions.compiler.analyse(outputs[part])
@@ -40,8 +42,7 @@ def programs(
     if "batch" in parts:
         codes["batch"] = _batch_code(functions, ratios)
     if "lanes" in parts:
-        masses_in_time = Masses(functions.structure).link_codes(SCENE)
-        links = _link_arrays(functions, ("phi", "omega", *masses_in_time))
+        links = _link_arrays(functions, ("phi", "omega", *link_masses))
         codes |= lane_functions.lane_codes(functions, links, _solution_arrays(functions, ratios))
         more |= lane_functions.lane_context(functions)
     values = functions.derivatives[2]
@@ -55,20 +56,16 @@ def programs(
     rates = [codes[part] for part in ("rhs", "flow") if part in codes]
     if rates:
         codes["rates"] = replace(rates[0], fields=_merge_fields(*rates))
-    structure = functions.structure
-    places = structure.slices
     expressions = {name: e for name, e in structure.open_expressions.items() if not e.signals}
     timed = {name: e.source(SCENE, places) for name, e in expressions.items()}
-    masses = Masses(structure)
     timed |= masses.body_codes(SCENE)
     by_rod = masses.body_codes(SCENE, lane_functions.BY_ROD)
-    link_masses = masses.link_codes(SCENE)
     more |= {
         "code_of": codes,
         "link_masses_c": link_masses,
         "works": list(functions.power),
         "newton_made": {*functions.newton.outputs} if "newton" in parts else (),
-        "border": _border_context(functions) if functions.structure.laws else None,
+        "border": _border_context(functions) if structure.laws else None,
         "timed": timed,
         # Of each rod by itself: expressions whose numbers are parameters.
         "timed_by_rod": {
@@ -153,22 +150,25 @@ def _link_arrays(functions: Functions, names: Iterable[str]) -> dict[str, Domain
     return dict.fromkeys(names, Domain((i,), 0, functions.links - 1))
 
 
+def _held_arrays(functions: Functions) -> dict[str, Domain]:
+    """Arrays of the angles and rates of all links, where some are held."""
+    names = ("phi", "omega") if functions.equations.boundary_condition.first else ()
+    return _link_arrays(functions, names)
+
+
 def _rhs_code(
     functions: Functions, program: AnalysedFunction, outputs: Outputs, pivots: Iterable[str]
 ) -> Code:
-    given = _solution_arrays(functions, pivots)
-    if functions.equations.boundary_condition.first:
-        given |= _link_arrays(functions, ("phi", "omega"))
+    given = _solution_arrays(functions, pivots) | _held_arrays(functions)
     cut = segments(functions)
     padding = _padding(functions)
     if padding:  # solved in segments, without pivots of its own
         given = {name: domain for name, domain in given.items() if name not in set(pivots)}
         length = cut["segments"] * cut["rows"] + 1
         padding |= dict.fromkeys(functions.solve.unknowns, (0, length))
-    keep = [*outputs]
     system = [] if padding else [*functions.matrix, *functions.right]
     writer = LoopWriter(
-        program.analysis, program.phases[:2], given, lambda _: False, keep, padding, system
+        program.analysis, program.phases[:2], given, lambda _: False, outputs, padding, system
     )
     return writer.write()
 
@@ -182,13 +182,12 @@ def _batch_code(functions: Functions, pivots: Iterable[str]) -> Code:
         | _link_arrays(functions, ("phi", "omega"))
         | functions.parameter_domains
     )
-    keep = [*functions.chain_outputs]
     writer = LoopWriter(
         program.analysis,
         program.phases[:2],
         given,
         lambda name: name not in common,
-        keep,
+        functions.chain_outputs,
         system=[*functions.matrix, *functions.right],
     )
     return writer.write()
@@ -228,8 +227,7 @@ def _newton_code(functions: Functions) -> Code:
     link = functions.compiler.link
     given = dict.fromkeys(map(str, UNKNOWNS), link)
     given |= _link_arrays(functions, Masses(functions.structure).link_codes(SCENE))
-    if functions.equations.boundary_condition.first:
-        given |= _link_arrays(functions, ("phi", "omega"))
+    given |= _held_arrays(functions)
     statements = [st for phase in program.phases for st in phase]
     return LoopWriter(program.analysis, [statements], given, lambda _: False, outputs).write()
 
@@ -241,9 +239,7 @@ def _tangent_code(
     outputs, tangents, _ = functions.derivatives
     program = functions.compiler.analyse(outputs | functions.power, tangents, values)
     made = [st.name for phase in program.phases for st in phase]
-    given = _solution_arrays(functions, pivots)
-    if functions.equations.boundary_condition.first:
-        given |= _link_arrays(functions, ("phi", "omega"))
+    given = _solution_arrays(functions, pivots) | _held_arrays(functions)
     links = _link_arrays(functions, ("d_phi", "d_omega"))
     unknowns = functions.solve.unknowns
     given |= links | {f"d_{name}": functions.solve.domain for name in unknowns}

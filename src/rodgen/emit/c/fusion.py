@@ -194,12 +194,11 @@ class Fusion:
             outside = not group.is_loop and span == (0, -1)
             first = max(first, place if joins or outside else place + 1)
         for place in range(first, len(self.groups)):
-            if (self.groups[place].low, self.groups[place].high) == span:
-                if self.groups[place].is_loop and (st.kind == PREFIX) != self._has_prefix_sum(
-                    place
-                ):
-                    continue
-                self.groups[place].members.append(st)
+            group = self.groups[place]
+            adds_up = any(member.kind == PREFIX for member in group.members)
+            alike = not group.is_loop or (st.kind == PREFIX) == adds_up
+            if (group.low, group.high) == span and alike:
+                group.members.append(st)
                 return place
         self.groups.append(Loop(*span, members=[st]))
         return len(self.groups) - 1
@@ -298,10 +297,6 @@ class Fusion:
                 group.members = []
         # Places number what is left.
         self.groups = [g if g.members or g is system else Loop() for g in self.groups]
-
-    def _has_prefix_sum(self, place: int) -> bool:
-        """Whether a group adds up, link by link."""
-        return any(st.kind == PREFIX for st in self.groups[place].members)
 
     def _find_arrays(self) -> dict[str, tuple[int, bool]]:
         """Quantities along the chain that more than their own loop reads."""

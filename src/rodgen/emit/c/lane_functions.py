@@ -70,8 +70,7 @@ def _observed_outputs(functions: Functions) -> Outputs:
 
 
 def _observed_places(functions: Functions) -> list[tuple[str, int, int]]:
-    """Names of observed quantities, each with its place among all numbers and its length, 0 for a
-    single number."""
+    """Names of observed quantities, their places among all numbers and lengths, 0 for a number."""
     found, at = [], 0
     for name, (domain, _) in _observed_outputs(functions).items():
         count = domain.count if domain.along else 0

@@ -11,29 +11,11 @@ from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from itertools import pairwise
 
-from sympy import (
-    Abs,
-    Expr,
-    Max,
-    Min,
-    Symbol,
-    asin,
-    asinh,
-    atan,
-    cos,
-    cosh,
-    exp,
-    log,
-    sign,
-    sin,
-    sinh,
-    tan,
-    tanh,
-)
+from sympy import Abs, Expr, Max, Min, Symbol, cos, sin
 
 from rodgen.emit.analysis import Analysis
 from rodgen.emit.c.fusion import Fusion, Lanes, Loop
-from rodgen.emit.printer import ATOM, PRODUCT, Dialect, Printer
+from rodgen.emit.printer import ATOM, NAMES, PRODUCT, Dialect, Printer
 from rodgen.emit.statements import PREFIX, SCALAR, TOTAL, VALUE, Domain, Statement
 from rodgen.native.native_batch import LANES
 from rodgen.scene.grammar import CUBIC, LINEAR, SLOPE, Language
@@ -61,22 +43,7 @@ SCENE = Language(
     },
 )
 EQUATIONS = Dialect(
-    functions={
-        sin: "sine",
-        cos: "cosine",
-        tan: "tan",
-        exp: "exp",
-        log: "log",
-        sinh: "sinh",
-        cosh: "cosh",
-        tanh: "tanh",
-        asinh: "asinh",
-        atan: "atan",
-        asin: "asin",
-        Abs: "fabs",
-        sign: "sign",
-    },
-    extremes={Min: "fmin", Max: "fmax"},
+    functions=NAMES | {sin: "sine", cos: "cosine", Abs: "fabs", Min: "fmin", Max: "fmax"},
     root="sqrt",
     choice="({condition} ? {value} : {other})",
     power=_power,

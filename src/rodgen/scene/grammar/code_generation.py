@@ -38,7 +38,7 @@ def evaluate(node: ast.AST, names: Mapping[str, Any], functions: Functions | Non
     """Evaluate a tree, given values of its names and, by their texts, of its sensors. functions:
     those of other numbers than doubles."""
     values = [evaluate(child, names, functions) for child, _ in children(node)]
-    if (sensor := sensor_of(node)) is not None:
+    if sensor := sensor_of(node):
         return names[sensor.text]
     match node:
         case ast.Constant(value=int() | float() as value):
@@ -55,8 +55,8 @@ def evaluate(node: ast.AST, names: Mapping[str, Any], functions: Functions | Non
             return np.where(*values)
         case ast.Call(func=ast.Name(id=name)) if name == TABLE:
             table = table_in_call(node)
-            made: Callable[..., Any] = (functions or {}).get(TABLE, _interpolate)
-            return made(values[0], table_numbers(table, names), table.kind)
+            made: Callable[..., Any] = (functions or {}).get(TABLE, TableData.at)
+            return made(table_numbers(table, names), values[0], table.kind)
         case ast.Call(func=ast.Name(id=name)):
             return (functions or {}).get(name, FUNCTIONS[name][2])(*values)
     raise AssertionError(f"unchecked node {node!r}")
@@ -73,10 +73,6 @@ def table_numbers(table: InterpolationTable, names: Mapping[str, Any]) -> TableD
 def _cached_table(knots: tuple[float, ...], values: tuple[float, ...]) -> TableData:
     """Make the table whose numbers stand in a text, once, as it is asked for again and again."""
     return TableData(knots, values)
-
-
-def _interpolate(x: Any, table: TableData, kind: str) -> Any:
-    return table.at(x, kind)
 
 
 def constant_parts(node: ast.AST, known: set[str]) -> Iterator[ast.AST]:
@@ -148,7 +144,7 @@ def to_source(
         return repr(float(evaluate(node, {})))
     signals = signals or {}
     parts = [to_source(child, language, places, start, signals) for child, _ in children(node)]
-    if (sensor := sensor_of(node)) is not None:
+    if sensor := sensor_of(node):
         return signals[sensor.text]
     match node:
         case ast.Name(id=name):

@@ -20,8 +20,7 @@ from rodgen.scene.grammar.vocabulary import FUNCTIONS, SLOPE
 
 
 def derivative(node: ast.expr, by: str) -> ast.expr | None:
-    """Derivative of a tree by a state or a sensor; None where it is zero. At a kink it is that of
-    one of both sides."""
+    """Derivative of a tree by a name; None where it is zero. At a kink it is that of one side."""
     if by not in names_in(node):
         return None
     slopes = [derivative(child, by) if not is_if else None for child, is_if in children(node)]
@@ -29,36 +28,30 @@ def derivative(node: ast.expr, by: str) -> ast.expr | None:
         case ast.UnaryOp(op=op):
             return ast.UnaryOp(op, slopes[0]) if slopes[0] else None
         case ast.BinOp(left=left, op=ast.Mult(), right=right):
-            return _sum_or_none(
-                _product_or_none(slopes[0], right), _product_or_none(left, slopes[1])
-            )
+            return _sum(_product(slopes[0], right), _product(left, slopes[1]))
         case ast.BinOp(left=left, op=ast.Div(), right=right):
-            less = _product_or_none(_quotient(left, right), slopes[1])
-            over = _sum_or_none(slopes[0], ast.UnaryOp(ast.USub(), less) if less else None)
+            less = _product(_quotient(left, right), slopes[1])
+            over = _sum(slopes[0], ast.UnaryOp(ast.USub(), less) if less else None)
             return _quotient(over, right) if over else None
         case ast.BinOp(left=left, op=ast.Pow(), right=right):
             lower = ast.BinOp(left, ast.Pow(), ast.BinOp(right, ast.Sub(), ast.Constant(1.0)))
             grown = ast.BinOp(node, ast.Mult(), _call("log", left))
-            return _sum_or_none(
-                _product_or_none(_product(right, lower), slopes[0]),
-                _product_or_none(grown, slopes[1]),
-            )
+            return _sum(_product(_product(right, lower), slopes[0]), _product(grown, slopes[1]))
         case ast.BinOp(op=op):
             other = ast.UnaryOp(ast.USub(), slopes[1]) if slopes[1] else None
-            return _sum_or_none(slopes[0], other if isinstance(op, ast.Sub) else slopes[1])
+            return _sum(slopes[0], other if isinstance(op, ast.Sub) else slopes[1])
         case ast.IfExp(test=test):
             _, body, orelse = slopes
-            return _choice_or_none(test, body, orelse)
+            return _choice(test, body, orelse)
         case ast.Call() if is_table(node):
-            return _product_or_none(with_kind(node, table_in_call(node).kind + SLOPE), slopes[0])
+            return _product(with_kind(node, table_in_call(node).kind + SLOPE), slopes[0])
         case ast.Call(func=ast.Name(id="min" | "max" as name), args=[*first, last]) if first:
             rest = first[0] if len(first) == 1 else _call(name, *first)
             smaller = ast.Lt() if name == "min" else ast.Gt()
-            return _choice_or_none(
-                ast.Compare(rest, [smaller], [last]), derivative(rest, by), slopes[-1]
-            )
+            test = ast.Compare(rest, [smaller], [last])
+            return _choice(test, derivative(rest, by), slopes[-1])
         case ast.Call(func=ast.Name(id=name), args=[arg]) if name in FUNCTIONS:
-            return _product_or_none(_SLOPES[name](arg, node), slopes[0])
+            return _product(_SLOPES[name](arg, node), slopes[0])
     return ast.Constant(1.0)  # itself
 
 
@@ -81,25 +74,20 @@ def _call(name: str, *args: ast.expr) -> ast.expr:
     return ast.Call(ast.Name(name), list(args), [])
 
 
-def _sum_or_none(a: ast.expr | None, b: ast.expr | None) -> ast.expr | None:
+# None stands for zero.
+def _sum(a: ast.expr | None, b: ast.expr | None) -> ast.expr | None:
     return ast.BinOp(a, ast.Add(), b) if a and b else a or b
-
-
-def _product(a: ast.expr, b: ast.expr) -> ast.expr:
-    return ast.BinOp(a, ast.Mult(), b)
 
 
 def _quotient(a: ast.expr, b: ast.expr) -> ast.expr:
     return ast.BinOp(a, ast.Div(), b)
 
 
-def _product_or_none(a: ast.expr | None, b: ast.expr | None) -> ast.expr | None:
-    return _product(a, b) if a and b else None
+def _product(a: ast.expr | None, b: ast.expr | None) -> ast.expr | None:
+    return ast.BinOp(a, ast.Mult(), b) if a and b else None
 
 
-def _choice_or_none(
-    test: ast.expr, body: ast.expr | None, orelse: ast.expr | None
-) -> ast.expr | None:
+def _choice(test: ast.expr, body: ast.expr | None, orelse: ast.expr | None) -> ast.expr | None:
     if not (body or orelse):
         return None
     return ast.IfExp(test, body or ast.Constant(0.0), orelse or ast.Constant(0.0))
@@ -107,7 +95,7 @@ def _choice_or_none(
 
 def _one_and_square(node: ast.expr, sign: type[ast.operator]) -> ast.expr:
     """One minus, or plus, the square of a tree."""
-    return ast.BinOp(ast.Constant(1.0), sign(), _product(node, node))
+    return ast.BinOp(ast.Constant(1.0), sign(), ast.BinOp(node, ast.Mult(), node))
 
 
 Pair = tuple[ast.expr, ast.expr | None]

@@ -13,7 +13,6 @@ from typing import Any
 from rodgen.scene.grammar.code_generation import evaluate, is_whole_number
 from rodgen.scene.grammar.syntax_tree import (
     constant_value,
-    is_sensor,
     is_table,
     names_in,
     sensor_of,
@@ -60,12 +59,11 @@ def replace_numbers(node: ast.expr, name: Namer) -> ast.expr:
             knots = ast.List([_name_number(e, name, KNOT) for e in table.knots], ast.Load())
             values = ast.List([_name_number(e, name, VALUE) for e in table.values], ast.Load())
             return ast.Call(func, [argument, knots, values, *args[3:]], [])
-        case ast.Call(func=func, args=args) if not is_sensor(node):
-            return ast.Call(func, [replace_numbers(arg, name) for arg in args], [])
-        case ast.Call(func=func):  # where a sensor is belongs to the code, by one way to write it
-            sensor = sensor_of(node)
-            assert sensor is not None
+        case ast.Call(func=func) if sensor := sensor_of(node):
+            # Where a sensor is belongs to the code, by one way to write it.
             return ast.Call(func, [ast.Constant(sensor.at)], [])
+        case ast.Call(func=func, args=args):
+            return ast.Call(func, [replace_numbers(arg, name) for arg in args], [])
     return node
 
 
@@ -92,17 +90,14 @@ def _name_number(element: ast.expr, name: Namer, what: str) -> ast.expr:
     return element if value is None else name(value, what)
 
 
-def replace_names(node: ast.expr, values: Mapping[str, float]) -> ast.expr:
-    """Replace some names of a tree by numbers."""
+def replace_names(node: ast.expr, texts: Mapping[str, str]) -> str:
+    """Text of a tree with other texts in place of some names."""
 
-    class Values(ast.NodeTransformer):
+    class Renamed(ast.NodeTransformer):
         def visit_Name(self, name: ast.Name) -> ast.expr:
-            if name.id not in values:
-                return name
-            return ast.parse(repr(float(values[name.id])), mode="eval").body
+            return ast.parse(texts.get(name.id, name.id), mode="eval").body
 
-    made: ast.expr = Values().visit(copy.deepcopy(node))
-    return ast.fix_missing_locations(made)
+    return ast.unparse(Renamed().visit(copy.deepcopy(node)))
 
 
 @lru_cache(maxsize=256)

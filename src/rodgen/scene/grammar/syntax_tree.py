@@ -56,8 +56,7 @@ class Sensor(NamedTuple):
 
 
 def parse(text: str, field: str) -> ast.expr | None:
-    """Parse a text to a tree, None for what Python cannot parse; raises InputError for a text
-    beyond the limits."""
+    """Parse a text, None for what Python cannot parse; raises InputError beyond the limits."""
     if len(text) > LONGEST:
         raise InputError(field, text, f"an expression of at most {LONGEST} characters")
     if max(accumulate((c in "([") - (c in ")]") for c in text), default=0) > BRACKETS:
@@ -107,9 +106,7 @@ def check_tree(
             pass
         case ast.Name(id=name) if states and name in states:
             pass
-        case ast.BinOp(op=op) if type(op) in BINARY:
-            pass
-        case ast.UnaryOp(op=op) if type(op) in UNARY:
+        case ast.BinOp(op=op) | ast.UnaryOp(op=op) if type(op) in (*BINARY, *UNARY):
             pass
         case ast.Compare(ops=ops) if all(type(op) in COMPARE for op in ops) and len(ops) == 1:
             pass
@@ -164,14 +161,10 @@ def _check_table(
         raise refuse(node, "of knots that ascend")
 
 
-def children(node: ast.AST) -> tuple[tuple[ast.expr, bool], ...]:
-    """The parts of a node, and whether each is to be a condition; a table's numbers are none."""
-    return _children(node)
-
-
 # Trees are never changed, and walked again and again.
 @lru_cache(maxsize=KEPT)
-def _children(node: ast.AST) -> tuple[tuple[ast.expr, bool], ...]:
+def children(node: ast.AST) -> tuple[tuple[ast.expr, bool], ...]:
+    """The parts of a node, and whether each is to be a condition; a table's numbers are none."""
     return tuple(_parts(node))
 
 
@@ -185,19 +178,14 @@ def _parts(node: ast.AST) -> Iterator[tuple[ast.expr, bool]]:
             yield from ((left, False), (right, False))
         case ast.IfExp(test=test, body=body, orelse=orelse):
             yield from ((test, True), (body, False), (orelse, False))
-        case ast.Call(args=args) if not is_sensor(node):
+        case ast.Call(args=args) if not sensor_of(node):
             yield from ((arg, False) for arg in (args[:1] if is_table(node) else args))
 
 
-def names_in(node: ast.AST) -> list[str]:
-    """Names of the variable, of numbers and states, and sensors in a tree, in the order of the
-    text."""
-    return list(_names_in(node))
-
-
 @lru_cache(maxsize=KEPT)
-def _names_in(node: ast.AST) -> tuple[str, ...]:
-    found = [inner for inner in ast.walk(node) if isinstance(inner, ast.Name) or is_sensor(inner)]
+def names_in(node: ast.AST) -> tuple[str, ...]:
+    """Names of the variable, numbers and states, and sensors, in the order of the text."""
+    found = [inner for inner in ast.walk(node) if isinstance(inner, ast.Name) or sensor_of(inner)]
     found += [name for name in _table_names(node) if isinstance(name, ast.Constant)]
     found.sort(key=lambda name: (getattr(name, "lineno", 0), getattr(name, "col_offset", 0)))
     known = {*FUNCTIONS, *SENSORS, TABLE, "pi"}
@@ -269,11 +257,6 @@ def constant_value(element: ast.expr) -> float | None:
     return float(ast.literal_eval(element))
 
 
-def is_sensor(node: ast.AST) -> bool:
-    """Whether a part names a sensor."""
-    return sensor_of(node) is not None
-
-
 @lru_cache(maxsize=KEPT)
 def sensor_of(node: ast.AST) -> Sensor | None:
     """The sensor that a part names; None for any other part, and for one beside the rod."""
@@ -287,8 +270,7 @@ def sensor_of(node: ast.AST) -> Sensor | None:
 
 def sensors_in(node: ast.AST) -> list[Sensor]:
     """The sensors that a tree names."""
-    found = (sensor_of(inner) for inner in ast.walk(node))
-    return list(dict.fromkeys(sensor for sensor in found if sensor is not None))
+    return list(dict.fromkeys(filter(None, map(sensor_of, ast.walk(node)))))
 
 
 def signals_in(node: ast.AST, states: Container[str]) -> list[str]:

@@ -30,8 +30,7 @@ class TableData:
 
     @classmethod
     def of(cls, numbers: Any) -> Self:
-        """Make a table from one array of its knots and then its values, (2 rows,); return a table
-        as it is."""
+        """Make a table from its knots and then its values, (2 rows,); return a table as it is."""
         return numbers if isinstance(numbers, cls) else cls(*np.split(np.asarray(numbers), 2))
 
     def __reduce__(self) -> tuple[Any, ...]:
