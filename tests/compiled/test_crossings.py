@@ -11,6 +11,7 @@ import rodgen
 from rodgen import Scene
 from rodgen.integrate.reductions import Crossing
 from rodgen.integrate.simulate_many import simulate_rods
+from rodgen.scene.integration import IntegrationTable
 from rodgen.system import System
 from tests.compiled.conftest import NO_LOADS
 
@@ -49,7 +50,8 @@ def test_both_are_found_side_by_side(thrown: Scene, number: str) -> None:
         for direction in ("either", "rising", "falling")
     )
     how = {"method": "rk4", "step": STEP, "span": [0.0, STEP], "output_every": STEP}
-    made = simulate_rods(model, p, y, crossings=(both, up, down), **how)
+    settings = IntegrationTable.model_validate(how)
+    made = simulate_rods(model, p, y, settings, crossings=(both, up, down))
     assert made.nsteps.tolist() == [1] * len(y)
     due = np.stack((HIGHEST - APART, HIGHEST + APART), axis=1)
     for crossed, times in zip(made.crossed, (due, due[:, :1], due[:, 1:]), strict=True):

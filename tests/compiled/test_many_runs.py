@@ -16,7 +16,6 @@ from rodgen.integrate.reductions import REDUCTIONS
 from rodgen.native import native_batch
 from rodgen.native.native_batch import LANES
 from rodgen.native.native_run import METHODS
-from rodgen.system import System
 from tests.compiled.conftest import SMOOTH
 from tests.told import refused
 
@@ -200,6 +199,23 @@ def test_a_run_that_fails_is_alone(missile: Scene, bundle: ModuleType, more: lis
     np.testing.assert_array_equal(made["max(tip_x)"][others], fine["max(tip_x)"][others])
 
 
+def test_a_load_without_a_value_at_the_start_is_told(smooth: Scene) -> None:
+    """Of one rod, of all rods by themselves, and of all that share it; the others run."""
+    loads = {"loads.tip.x": "A/(t - B)", "parameters": {"A": 1e-3, "B": 3.0}}
+    scene = smooth.replace(loads).with_integrate(**SPAN, method="dop853")
+    found = rodgen.simulate_many(scene, {"parameters.B": [3.0, 0.0, 2.0]}, keep=["last(tip_x)"])
+    assert found.status.tolist() == ["finished", "failed", "finished"]
+    assert "must be finite from 0.0 s on" in found.message[1]
+    assert np.isnan(found.values["last(tip_x)"]).tolist() == [False, True, False]
+    assert found.t.tolist() == [1.0, 0.0, 1.0]
+    at_pole = scene.replace({"parameters.B": 0.0})
+    several = np.tile(scene.initial_state(), (2, 1))
+    both = {"parameters.B": [0.0, 0.0]}
+    for p, y0 in ((both, None), (None, several)):
+        found = rodgen.simulate_many(at_pole, p, y0, keep=["last(tip_x)"])
+        assert found.message == dict.fromkeys(range(2), found.message[0])
+
+
 @WAYS
 def test_budget(model: ModuleType, smooth: Scene, more: list[str]) -> None:
     p, y = varied(model, smooth, 5)
@@ -264,7 +280,7 @@ def test_many_runs_of_a_system_are_those_of_its_module(model: ModuleType, smooth
     masses = [1.0, 1.5, 2.0]
     found = rodgen.simulate_many(smooth, {"rod.mass": masses}, keep=["last(tip_x)"])
     p = smooth.parameters | {"mass": masses}
-    settings = System(smooth).with_settings(method="dop853").settings.used_settings
+    settings = smooth.integrate.model_dump(exclude_none=True, exclude={"method", "step"})
     same = rodgen.simulate_many(model, p, smooth.initial_state(), keep=["last(tip_x)"], **settings)
     np.testing.assert_array_equal(found.values["last(tip_x)"], same.values["last(tip_x)"])
 
@@ -275,4 +291,4 @@ def test_many_runs_of_a_system_are_those_of_its_module(model: ModuleType, smooth
 def test_every_explicit_method_goes_side_by_side(model: ModuleType) -> None:
     assert [name for name in METHODS if lane_runs.can_use_lanes(name)] == [*FIXED, "dop853"]
     assert {*native_batch.KEEPS} == {*REDUCTIONS}
-    assert facts_of(model).lanes.states == len(model.STATE)
+    assert facts_of(model).model.LANES.states == len(model.STATE)

@@ -98,7 +98,7 @@ def test_the_border_of_stability_is_the_critical_force() -> None:
     study = stability(71, 3)
 
     def of(flat: Array) -> dict[str, Array]:
-        return evaluate(study, points_at(study, flat.tolist()), flat)
+        return evaluate(study, points_at(study, flat.tolist()))
 
     known, _ = refined(study, of)
     forces, times = (np.array(axis.values) for axis in study.axes)

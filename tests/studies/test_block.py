@@ -28,7 +28,7 @@ KEEP = ["last(tip_x)", "max(phi_2)", "rms(omega_0, from=0.5)", "time_of_max(kine
 def computed(study: Study, indices: Any = None) -> dict[str, np.ndarray]:
     """What a study keeps of its points."""
     at = range(study.count) if indices is None else indices
-    return evaluate(study, points_at(study, at), at)
+    return evaluate(study, points_at(study, at))
 
 
 def same(a: dict[str, np.ndarray], b: dict[str, np.ndarray], at: Any = slice(None)) -> None:

@@ -192,7 +192,7 @@ def test_points_of_a_study(name: str) -> None:
     study = Study.from_toml(FOLDER / f"{name}.toml")
     assert study.name == name
     some = [0, study.count // 2, study.count - 1]
-    found = evaluate(study, points_at(study, some), some)
+    found = evaluate(study, points_at(study, some))
     assert found["status"].tolist() == ["finished"] * 3
     for kept in study.keep:
         assert isinstance(kept, str)

@@ -156,7 +156,7 @@ def test_success_is_what_the_store_says(tmp_path: Path, monkeypatch: pytest.Monk
         for block in blocks:
             yield block, 0
 
-    monkeypatch.setattr(local.LocalWorker, "compute_blocks", lying)
+    monkeypatch.setattr(local.LocalWorker, "compute", lying)
     with pytest.raises(StudyError):
         run_study(grid(), tmp_path / "a.zarr", workers=1)
 

@@ -150,7 +150,7 @@ def test_workers_that_do_not_see_the_store_are_refused(tmp_path: Path, scheduler
     )
     with Cluster(2, scheduler.scheduler_address) as workers:
         for _ in range(2):
-            told = refused(lambda: list(workers.compute_blocks(elsewhere, iter([0]), {})))
+            told = refused(lambda: list(workers.compute(elsewhere, iter([0]), {})))
             assert str(told.value) == str(tmp_path / "b.zarr")
             in_blocks(tmp_path / "b.zarr", study, 4)
 
@@ -182,7 +182,7 @@ def test_a_worker_takes_the_texts_that_the_client_has(tmp_path: Path, scheduler:
     file = cache.cache_root().joinpath(*entry)
     file.unlink(missing_ok=True)
     with Cluster(2, scheduler.scheduler_address) as workers:
-        list(workers.compute_blocks(store, iter([0]), {entry: "the text"}))
+        list(workers.compute(store, iter([0]), {entry: "the text"}))
         seconds, _texts = workers.time_point(study_of(keep="max(phi_1)"))
     assert cache.read_text(*entry) == "the text"
     assert seconds > 0

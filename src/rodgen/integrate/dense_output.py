@@ -116,13 +116,11 @@ def _tighten(settings: IntegrationTable, share: float) -> IntegrationTable:
 
 def _known_states(trajectory: Trajectory) -> tuple[Array, Array]:
     """Times and states of the samples, and of the start of the run where it is none of them."""
-    start = trajectory.scene.integrate.span[0]
-    if trajectory.scene.integrate.t_eval is None or (
-        len(trajectory.t) and trajectory.t[0] == start
-    ):
-        return trajectory.t, trajectory.y
+    settings, t, y = trajectory.scene.integrate, trajectory.t, trajectory.y
+    if settings.t_eval is None or (len(t) and t[0] == settings.span[0]):
+        return t, y
     y0 = trajectory.scene.initial_state()
-    return np.append(start, trajectory.t), np.concatenate((y0[None], trajectory.y))
+    return np.append(settings.span[0], t), np.concatenate((y0[None], y))
 
 
 def _time_bounds(trajectory: Trajectory, t: Array) -> tuple[float, float]:
@@ -144,14 +142,12 @@ def error_growth(trajectory: Trajectory) -> ErrorGrowth:
     end of the run changes the motion. Not-a-number where a step fails. Raises InputError for a run
     that was changed while it went on, or has no samples.
     """
-    run, settings = DenseOutput(trajectory, NEIGHBOUR_SHARE), trajectory.scene.integrate
-    seen = math.inf if settings.has_fixed_step else visible_error(settings.rtol) / settings.rtol
+    run, scene = DenseOutput(trajectory, NEIGHBOUR_SHARE), trajectory.scene
+    fixed, rtol = scene.integrate.has_fixed_step, scene.integrate.rtol
+    seen = math.inf if fixed else visible_error(rtol) / rtol
+    base = 2 * scene.boundary_condition.translates
+    angles = slice(base, (run.y.shape[1] - len(scene.states)) // 2)
     try:
-        base, added = (
-            2 * trajectory.scene.boundary_condition.translates,
-            len(trajectory.scene.states),
-        )
-        angles = slice(base, (run.y.shape[1] - added) // 2)
         return _follow_neighbour(run, angles, math.log(seen))
     except StepError:
         return UNKNOWN

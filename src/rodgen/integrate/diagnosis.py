@@ -30,20 +30,16 @@ MOST_TURNED = 1e15  # rad, where neighbouring doubles are an eighth of a radian 
 NEAR = 1e-3  # share of the way to a pole within which it is what stops a run
 
 
-def step_doubts(system: System, model: ModuleType) -> tuple[Note, ...]:
-    """Return the doubts about the steps of a run before the first: about their length or tolerance,
-    and thrust whose table is shorter than the span; its method is chosen."""
-    return tuple(_find_doubts(system, model))
-
-
 def count_doubts(system: System, model: ModuleType, p: Array, y0: Array) -> NDArray[np.intp]:
     """Count the doubts about each of many runs: p (runs, width), y0 (runs, states); steps and
     tolerance are looked at for one of them, system."""
-    same = len(system.unused_names) + sum(1 for _ in _find_doubts(system, model))
+    same = len(system.unused_names) + sum(1 for _ in step_doubts(system, model))
     return of_angles(system.structure, p, y0) + same
 
 
-def _find_doubts(system: System, model: ModuleType) -> Iterator[Note]:
+def step_doubts(system: System, model: ModuleType) -> Iterator[Note]:
+    """Yield the doubts about the steps of a run before the first: about their length or tolerance,
+    and thrust whose table is shorter than the span; its method is chosen."""
     settings = system.settings
     yield from _table_doubts(system)
     for load in system.time_laws.loads:
@@ -60,16 +56,12 @@ def _find_doubts(system: System, model: ModuleType) -> Iterator[Note]:
             most=MOST_FRONTS,
         )
     drifts = drift_doubt(system)
-    if drifts is not None:
-        yield drifts
-    if not settings.has_fixed_step and (loose := tolerance_doubt(system, model)) is not None:
-        yield loose
     if settings.step is None or not settings.has_fixed_step:
+        yield from filter(None, (drifts, tolerance_doubt(system, model)))
         return
     (start, end), y0 = settings.span, system.y0
     long = step_doubt(settings.method, settings.step, end - start, model, start, y0, system.p)
-    if long is not None:
-        yield long
+    yield from filter(None, (drifts, long))
     yield from _pulse_doubts(system, settings.step)
     half = system.time_laws.half_period()
     if 2 * half < SWING * settings.step:
@@ -86,20 +78,16 @@ def _table_doubts(system: System) -> Iterator[Note]:
     thrusts = {one.name for term in loads if term.follows for one in term.size_parameters}
     for name in sorted(thrusts & tables.keys()):
         thrust = tables[name]
-        knots = thrust.knots()
-        if not knots:  # of a table of something else than the time itself
-            knots = thrust.breaks(start, end)
-        pairs = (
-            ((knots[0], min(start, knots[0])), (knots[-1], max(end, knots[-1]))) if knots else ()
-        )
-        for at, beyond in pairs:
+        # Breaks of a table of something else than the time itself.
+        if not (knots := thrust.knots() or thrust.breaks(start, end)):
+            continue
+        first, last = knots[0], knots[-1]
+        for at, beyond in (first, min(start, first)), (last, max(end, last)):
             value = float(thrust(beyond))
             if at != beyond and value and value == float(thrust((at + beyond) / 2)):
                 low, high = sorted((at, beyond))
-                words = (
-                    f"{system.key_of(name)} = {shorten(thrust.text)}: the table has no value from "
-                )
-                words += f"{low:g} to {high:g} s, where the thrust keeps {value:g} N"
+                words = f"{system.key_of(name)} = {shorten(thrust.text)}: the table has no value "
+                words += f"from {low:g} to {high:g} s, where the thrust keeps {value:g} N"
                 yield doubt(words, start=low, end=high, force=value)
 
 
@@ -123,9 +111,9 @@ def drift_doubt(system: System) -> Note | None:
 
 def _pulse_doubts(system: System, step: float) -> Iterator[Note]:
     """Doubt about the first pulse of a load that is too short for a fixed step [s]."""
-    course = system.time_laws
-    breaks = course.breaks()
-    for begin, peak, over in () if course.first_pole() else course.pulses():
+    laws = system.time_laws
+    breaks = laws.breaks()
+    for begin, peak, over in () if laws.first_pole() else laws.pulses():
         met = any(begin <= at <= over for at in breaks)  # and stepped onto
         if begin < peak < over < begin + PULSE * step and not met:
             words = f"a load changes within {over - begin:.2g} s at t = {begin:.6g} s, for which "

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -86,16 +88,16 @@ class Ensemble(Result):
     @property
     def least(self) -> list[float]:
         """Least of the times and each reduction, in SI units, not-a-number if no run finished."""
-        return [
-            float(np.min(one)) if len(one) else math.nan for one in self.finished_values.values()
-        ]
+        return self._each(np.min)
 
     @property
     def largest(self) -> list[float]:
         """Largest of the times and each reduction, in SI units, not-a-number if no run finished."""
-        return [
-            float(np.max(one)) if len(one) else math.nan for one in self.finished_values.values()
-        ]
+        return self._each(np.max)
+
+    def _each(self, function: Callable[[Array], Any]) -> list[float]:
+        found = self.finished_values.values()
+        return [float(function(one)) if len(one) else math.nan for one in found]
 
     def __len__(self) -> int:
         return len(self.t)

@@ -50,7 +50,8 @@ NEXT = 64  # roundings of the time within which laws switch at once
 ROUNDING = 1e-12  # of the quantity's size in a step: what is closer to the value is on it
 
 Signs = NDArray[np.bool_]
-Found = tuple[int, int, tuple[float, float]]
+Bracket = tuple[int, tuple[float, float]]  # number of what crosses, and the times between which
+Found = tuple[int, int, tuple[float, float]]  # step of a block, and the same
 
 
 class EventDetector:
@@ -96,9 +97,10 @@ class EventDetector:
         """Law that switches at this number, and where, if it may jump there; else empty."""
         return self._switches[self._places[number][1][0]].cause if self.is_switch(number) else ""
 
-    def sort_events(self, located: Iterable[tuple[float, int]]) -> list[tuple[float, int]]:
-        """Sort times and numbers by time, without those that are not-a-number; at one and the same
-        time, those that end the run come last."""
+    def locate_all(self, found: Iterable[Bracket], at: Interpolant) -> list[tuple[float, int]]:
+        """Times and numbers of the events that the dense output has, by time; at one and the same
+        time, those that end the run come last. at: as in `locate`."""
+        located = [(self.locate(number, *span, at), number) for number, span in found]
         there = [pair for pair in located if not math.isnan(pair[0])]
         return sorted(there, key=lambda pair: (pair[0], self.events[pair[1]].action == "stop"))
 
@@ -115,33 +117,27 @@ class EventDetector:
         quantity, at = find_quantity(name)
         return quantity.name, (..., *at)
 
-    def values(self, y: Array, t: Array | None = None) -> Array:
+    def values(
+        self, y: Array, t: Array | None = None, numbers: Sequence[int] | None = None
+    ) -> Array:
         """Quantities (..., E) of states (..., S), in the order of the events, at times (...) where
-        laws of the motion are among them."""
-        return self._values(y, t, range(len(self.events)))
-
-    def _values(self, y: Array, t: Array | None, numbers: Iterable[int]) -> Array:
+        laws of the motion are among them; numbers: of those that are computed, by default all."""
         values = np.empty((*y.shape[:-1], len(self.events)))
         motion, switches = MotionSlice(self.model, self.p, y, t), dict[int, Array]()
         if self._switches:
             motion.has_feedback = self._has_feedback
         with np.errstate(all="ignore"):  # of a state that is not finite
-            for number in numbers:
+            for number in range(len(self.events)) if numbers is None else numbers:
                 name, at = self._places[number]
                 if name == SIGNALS:
                     switch, column = at
                     if switch not in switches:
-                        switches[switch] = self._switch_values(motion, switch)
+                        known = motion.values(SIGNALS) | {BENDS: motion.values(BENDS)}
+                        switches[switch] = self._switches[switch].law(motion.t, known)
                     values[..., number] = switches[switch][..., column]
                 else:
                     values[..., number] = (y if name == STATES else motion.values(name))[at]
         return values
-
-    def _switch_values(self, motion: MotionSlice, switch: int) -> Array:
-        """Values whose zeros are the switches of a law, (..., count)."""
-        known = motion.values(SIGNALS) | {BENDS: motion.values(BENDS)}
-        found: Array = self._switches[switch].law(motion.t, known)
-        return found
 
     def crossings(
         self, t: Array, y: Array, f: Array | None = None, on: Collection[int] = ()
@@ -170,8 +166,6 @@ class EventDetector:
         up, down = self._from
         low, high = g[:, :-1], g[:, 1:]
         crossed: Signs = ((low < 0) & (high >= 0) & up) | ((low > 0) & (high <= 0) & down)
-        if not crossed.any():
-            return []
         return self._brackets(t, g, crossed)
 
     def _inside(self, t: Array, y: Array, f: Array, ends: Array) -> Array:
@@ -204,13 +198,12 @@ class EventDetector:
         return [(k, number, bracket) for k, _, number, bracket in sorted(found)]
 
     def first_switch(
-        self, numbers: Iterable[tuple[int, tuple[float, float]]], start: float, at: Interpolant
+        self, found: Iterable[Bracket], start: float, at: Interpolant
     ) -> tuple[float, dict[int, float]] | None:
         """Time just before the first switch of a law in a step, and the numbers of all that switch
-        then, each with its sign before. numbers: what crosses in the step, each with its bracket;
-        start: of the step [s]; at: as in `locate`. None where nothing switches, or next to the
-        start alone."""
-        located = [(self.locate(number, *span, at), number) for number, span in numbers]
+        then, each with its sign before. found: what crosses in the step; start: of the step [s];
+        at: as in `locate`. None where nothing switches, or next to the start alone."""
+        located = [(self.locate(number, *span, at), number) for number, span in found]
         least = start + NEXT * float(np.spacing(abs(start)))
         times = [when for when, _ in located if when > least]
         if not times:
@@ -218,10 +211,10 @@ class EventDetector:
         first = min(times)
         beside = NEXT * float(np.spacing(abs(first)))
         signs = np.sign(self.values(at(np.array([start])), np.array([start])))[0]
-        found = {n: float(signs[n]) for when, n in located if when - first <= beside}
+        sides = {n: float(signs[n]) for when, n in located if when - first <= beside}
         # Stages at the end of a step are not to see what comes behind.
         early = first - max(beside, EARLY * (first - start))
-        return max(early, min(least, first)), found
+        return max(early, min(least, first)), sides
 
     def time_to_switch(
         self, sides: Mapping[int, float], t: float, y: Array, f: Array, h: float
@@ -250,7 +243,7 @@ class EventDetector:
             f: Array = self.model.rhs(time, state, self.p)
             on = ALONG_RATES * way
             states, times = np.stack((state, state + on * f)), np.array([time, time + on])
-            here, there = self._values(states, times, [number])[:, number]
+            here, there = self.values(states, times, [number])[:, number]
             return f, here, (there - here) / on
 
         f, value, slope = rates(t, y)
@@ -272,7 +265,7 @@ class EventDetector:
         value = self._value[number]
 
         def differences(times: Array) -> Array:
-            found: Array = self._values(at(times), times, [number])[:, number] - value
+            found: Array = self.values(at(times), times, [number])[:, number] - value
             return found
 
         def difference(time: float) -> float:

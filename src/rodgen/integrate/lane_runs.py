@@ -4,9 +4,11 @@ from __future__ import annotations
 
 import threading
 from collections.abc import Mapping, Sequence
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any, NamedTuple
+from itertools import pairwise
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -41,25 +43,13 @@ from rodgen.scene.integration import IntegrationTable
 Row = str
 BALANCE = "energy_balance"
 ENERGIES = ("kinetic_energy", "spring_energy", "gravity_energy")
-EVERY = SharedArrays(course_of=np.empty(0, dtype=np.int64))
+NO_COURSES = np.empty(0, dtype=np.int64)
 PIECES = 8  # in which each worker takes its share of the rods
 
 
 def can_use_lanes(method: str) -> bool:
     """Whether a method's steps can be taken side by side."""
     return method in COMPILED and method not in IMPLICIT
-
-
-class OutputTimes(NamedTuple):
-    """Output times of all runs [s], and their array for the loops."""
-
-    all: Array
-    shared: SharedArrays
-
-    @classmethod
-    def of(cls, times: Array) -> OutputTimes:
-        """Output times from an array."""
-        return cls(times, SharedArrays(times=times))
 
 
 @dataclass(frozen=True)
@@ -84,9 +74,9 @@ class LaneRows:
         # An energy that is zero for every state is not observed.
         known = {row: weight for row, weight in weights.items() if row not in ENERGIES}
         known |= {row: weights[row] for row in ENERGIES if row in weights and row in self.names}
-        return (
-            {self.names[row]: w for row, w in known.items()} if {*known} <= {*self.names} else None
-        )
+        if known.keys() - self.names.keys():
+            return None
+        return {self.names[row]: weight for row, weight in known.items()}
 
     def _weights(self, number: str) -> Mapping[Row, float] | None:
         works = dict.fromkeys((f"work_{term}" for term in self.lanes.works), 1.0)
@@ -176,9 +166,7 @@ class StretchTable:
     @classmethod
     def of(cls, start: float, stretches: Sequence[Stretches]) -> StretchTable:
         """Encode the stretches of runs that start at one time [s]."""
-        pairs = [
-            pair for one in stretches for pair in zip([start, *one.ends], one.ends, strict=False)
-        ]
+        pairs = [pair for one in stretches for pair in pairwise([start, *one.ends])]
         courses, ends = np.zeros(len(stretches), COURSE), np.zeros(len(pairs), STRETCH)
         courses["count"] = [len(one.ends) for one in stretches]
         courses["first"] = np.cumsum(courses["count"]) - courses["count"]
@@ -195,10 +183,10 @@ def run_lanes(
     lanes: Lanes,
     plan: ReductionPlan,
     settings: IntegrationTable,
-    times: OutputTimes,
+    times: Array,
     p: Array,
     y: Array,
-    courses: StretchTable,
+    table: StretchTable,
     which: NDArray[np.int64] | None,
     rods: int,
     ranges: Sequence[tuple[int, int]],
@@ -216,7 +204,7 @@ def run_lanes(
         "budget": settings.step_limit,
         "stride": STRIDE,
         "creep": CREEP,
-        "samples": len(times.all),
+        "samples": len(times),
         "observes": plan.observes,
         "energies": plan.energies,
         "kept": len(plan.keep),
@@ -225,10 +213,9 @@ def run_lanes(
         "crossed_width": plan.watched.width,
         "traced": len(plan.traces),
     }
-    own = EVERY if which is None else SharedArrays(course_of=which)
-    block = RunBatch(
-        lanes, rods, p, y, (plan.lane_arrays, courses.lane_arrays, times.shared, own), fields
-    )
+    own = SharedArrays(times=times, course_of=NO_COURSES if which is None else which)
+    shared = plan.lane_arrays, table.lane_arrays, own
+    block = RunBatch(lanes, rods, p, y, shared, fields)
     run_in_threads(block, _split_ranges(ranges, workers), workers)
     return block
 
@@ -246,36 +233,24 @@ def _split_ranges(ranges: Sequence[tuple[int, int]], workers: int) -> list[tuple
 
 def run_in_threads(block: RunBatch, pieces: Sequence[tuple[int, int]], workers: int) -> None:
     """Share pieces of a block among so many threads, this one among them."""
-    if workers == 1:
-        alone = iter(pieces)
-        block.run(lambda: next(alone, None))
-        return
     left, lock = iter(pieces), threading.Lock()
-    failed: list[BaseException] = []
 
     def take() -> tuple[int, int] | None:
         with lock:
             return next(left, None)
 
-    def work() -> None:
+    if workers == 1:
+        block.run(take)
+        return
+    with ThreadPoolExecutor(workers - 1) as pool:
+        others = [pool.submit(block.run, take) for _ in range(workers - 1)]
         try:
             block.run(take)
-        except BaseException as error:  # raised again in the thread that waits
-            failed.append(error)
-
-    others = [threading.Thread(target=work, daemon=True) for _ in range(workers - 1)]
-    for thread in others:
-        thread.start()
-    try:
-        block.run(take)
-    except BaseException:
-        block.stopped = True
-        raise
-    finally:
-        for thread in others:
-            thread.join()
-    if failed:
-        raise failed[0]
+        except BaseException:
+            block.stopped = True
+            raise
+    for one in others:
+        one.result()
 
 
 def stop_reason(status: int, settings: IntegrationTable, t: float) -> str:

@@ -20,7 +20,6 @@ from rodgen.loading.generated_module import structure_of
 from rodgen.memory import check_memory
 from rodgen.model.rod import BOUNDARIES
 from rodgen.model.term import ANY, KNOTS, NOT_NEGATIVE, POSITIVE
-from rodgen.native.native_batch import Lanes
 from rodgen.scene.distribution import Distribution
 from rodgen.scene.expression import Expression
 from rodgen.scene.grammar import TableData
@@ -38,21 +37,8 @@ class ModuleFacts:
     def __init__(self, model: ModuleType):
         self.model, self.structure = model, structure_of(model)
         self.states = len(model.STATE)
-        self._plans: dict[Any, ReductionPlan | None] = {}
-        self._reductions: dict[tuple[str, ...], tuple[Reduction, ...]] = {}
-        self._tables: dict[bytes, TableData] = {}
-        self._courses: dict[Any, tuple[StretchTable, dict[int, str]]] = {}
-
-    @property
-    def works(self) -> tuple[str, ...]:
-        """Names of the loads without potential."""
-        return loads_at_work(self.model)
-
-    @cached_property
-    def lanes(self) -> Lanes:
-        """Equations side by side in C, compiled on first use."""
-        made: Lanes = self.model.LANES
-        return made
+        self._plan = lru_cache(maxsize=KEPT)(self._make_plan)
+        self._tables: dict[Any, tuple[StretchTable, dict[int, str]]] = {}
 
     @cached_property
     def numbers(self) -> Numbers:
@@ -60,17 +46,12 @@ class ModuleFacts:
         of = self.structure
         boundary_condition = BOUNDARIES[of.boundary]
         held = range(boundary_condition.first, of.links) if "supports" in of.loads else ()
-        return Numbers.of(
-            boundary_condition, of.links, self.works, of.open_expressions, of.state_names, held
-        )
+        loads = loads_at_work(self.model), of.open_expressions
+        return Numbers.of(boundary_condition, of.links, *loads, of.state_names, held)
 
-    def reductions(self, texts: tuple[str, ...]) -> tuple[Reduction, ...]:
+    def parse_reductions(self, texts: Sequence[str]) -> tuple[Reduction, ...]:
         """Parse reductions of its numbers from their texts. Raises InputError."""
-        found = self._reductions.get(texts)
-        if found is None:
-            found = parse_all(texts, self.numbers.places)
-            _remember(self._reductions, texts, found)
-        return found
+        return parse_all(texts, self.numbers.places)
 
     def plan(
         self,
@@ -81,28 +62,25 @@ class ModuleFacts:
     ) -> ReductionPlan | None:
         """Plan of runs side by side; None where they cannot be. traced: numbers of which all
         samples are kept."""
-        key = settings.method, settings.has_fixed_step, reductions, crossings, traced
-        if key not in self._plans:
-            _remember(self._plans, key, self._make_plan(settings, reductions, crossings, traced))
-        return self._plans[key]
+        return self._plan(settings.method, settings.has_fixed_step, reductions, crossings, traced)
 
     def _make_plan(
         self,
-        settings: IntegrationTable,
+        method: str,
+        fixed: bool,
         reductions: Sequence[Reduction],
         crossings: Sequence[Crossing],
         traced: Sequence[str],
     ) -> ReductionPlan | None:
-        switches = self._has_switches and not settings.has_fixed_step
-        if switches or not can_use_lanes(settings.method) or not hasattr(self.model, "LANES"):
+        switches = self._has_switches and not fixed
+        if switches or not can_use_lanes(method) or not hasattr(self.model, "LANES"):
             return None
-        return ReductionPlan.of(
-            self._rows, reductions, has_mass_jumps(self.model), crossings, traced
-        )
+        jumps = has_mass_jumps(self.model)
+        return ReductionPlan.of(self._rows, reductions, jumps, crossings, traced)
 
     @cached_property
     def _rows(self) -> LaneRows:
-        return LaneRows(self.lanes, self.model.STATE, self.structure.links)
+        return LaneRows(self.model.LANES, self.model.STATE, self.structure.links)
 
     def can_observe(self, number: str) -> bool:
         """Whether a number of a quantity can be computed side by side."""
@@ -136,14 +114,7 @@ class ModuleFacts:
         """Numbers and tables in its expressions for one rod, by name."""
         of = self.structure
         found: dict[str, Any] = {name: float(p[of.indices[name]]) for name in of.numbers}
-        return found | {name: self._table(p[of.slices[name]]) for name, _ in of.tables}
-
-    def _table(self, numbers: Array) -> TableData:
-        """Table of p, which many rods have in common."""
-        key = numbers.tobytes()
-        if key not in self._tables:
-            _remember(self._tables, key, TableData.of(numbers))
-        return self._tables[key]
+        return found | {name: _table(p[of.slices[name]].tobytes()) for name, _ in of.tables}
 
     def time_dependent_loads(self, p: Array) -> dict[str, Expression]:
         """Loads of one rod that change with time alone, by the names of their parameters."""
@@ -154,83 +125,64 @@ class ModuleFacts:
         """Stiffness of the springs, of a uniform rod by EI; none where their law is smooth."""
         if not self._has_spring_corners:
             return ()
-        places = self.structure.slices
+        of, places = self.structure, self.structure.slices
         if "joint_stiffness" in places:
             return tuple(p[places["joint_stiffness"]].tolist())
-        of = self.structure
-        length, stiffness = (
-            float(p[places[name].start]) for name in ("length", "bending_stiffness")
-        )
-        rod = RodTable(
-            links=of.links,
-            length=length,
-            bending_stiffness=stiffness,
-            mass=1.0,
-            boundary=of.boundary,
-        )
+        given: dict[str, Any] = {"links": of.links, "mass": 1.0, "boundary": of.boundary}
+        given |= {name: float(p[places[name].start]) for name in ("length", "bending_stiffness")}
+        rod = RodTable(**given)
         return tuple(Distribution(rod, [], (), 0.0).joint_stiffness)
 
-    def courses(
+    def find_stretches(
         self, settings: IntegrationTable, p: Array, rods: int
     ) -> tuple[StretchTable, NDArray[np.int64] | None, dict[int, str]]:
         """Stretches of the runs, which of them each rod has (None: all the first), and why rods
         have none."""
         if not len(self._law_columns) or len(p) == 1:
             numbers = p[0, self._law_columns].tobytes()
-            key = settings.span[0], settings.span[1], settings.has_fixed_step, numbers
-            known = self._courses.get(key)
-            if known is None:
-                known = self._find_courses(settings, p[:1])
-                _remember(self._courses, key, known)
-            courses, refused = known
-            return courses, None, dict.fromkeys(range(rods), refused[0]) if refused else {}
+            key = *settings.span, settings.has_fixed_step, numbers
+            if key not in self._tables:
+                if len(self._tables) >= KEPT:
+                    self._tables.clear()
+                self._tables[key] = self._make_table(settings, p[:1])
+            table, refused = self._tables[key]
+            return table, None, dict.fromkeys(range(rods), refused[0]) if refused else {}
         # Rods of equal numbers share theirs: found by their bytes, as tables are long.
         firsts = dict[bytes, int]()
         found = (row.tobytes() for row in p[:, self._law_columns])
         first = np.array([firsts.setdefault(row, at) for at, row in enumerate(found)], dtype=int)
         distinct, which = np.unique(first, return_inverse=True)
-        courses, refused = self._find_courses(settings, p[distinct])
-        which = which.reshape(-1).astype(np.int64)
-        return (
-            courses,
-            which,
-            {
-                rod: said
-                for number, said in refused.items()
-                for rod in np.flatnonzero(which == number).tolist()
-            },
-        )
+        table, refused = self._make_table(settings, p[distinct])
+        whose = {number: np.flatnonzero(which == number).tolist() for number in refused}
+        said = {rod: refused[number] for number, some in whose.items() for rod in some}
+        return table, which.reshape(-1).astype(np.int64), said
 
-    def _find_courses(
+    def _make_table(
         self, settings: IntegrationTable, rods: Array
     ) -> tuple[StretchTable, dict[int, str]]:
-        """Find the stretches of several rods by their parameters, and why some have none."""
+        """Make the table of the stretches of several rods by their parameters, and tell why some
+        have none."""
         found, refused = list[Stretches](), dict[int, str]()
         for at, p in enumerate(rods):
             try:
-                found.append(self._find_stretches(settings, p))
+                found.append(self._stretches_of(settings, p))
             except InputError as error:
                 found.append(Stretches([]))
                 refused[at] = str(error)
         return StretchTable.of(settings.span[0], found), refused
 
-    def _find_stretches(self, settings: IntegrationTable, p: Array) -> Stretches:
+    def _stretches_of(self, settings: IntegrationTable, p: Array) -> Stretches:
         """Find the stretches of one rod. Raises InputError."""
         start, end = settings.span
-        course = TimeLaws.from_structure(self.structure, self._values(p), start, end)
-        found = Stretches.of(course, settings.has_fixed_step)
+        laws = TimeLaws.from_structure(self.structure, self._values(p), start, end)
+        found = Stretches.of(laws, settings.has_fixed_step)
         if not found.ends:
-            _, load = course.first_pole() or (start, None)
+            _, load = laws.first_pole() or (start, None)
             allowed = f"finite from {start!r} s on"
             raise InputError(load.field if load else "span", load and load.text, allowed)
         return found
 
     # Parameters ---------------------------------------------------------------------------------
-
-    @cached_property
-    def width(self) -> int:
-        """Length of p."""
-        return self.structure.width
 
     def pack(self, given: Mapping[str, Any]) -> Array:
         """Pack parameters (rods, parameters) from values by name. Raises InputError."""
@@ -253,8 +205,9 @@ class ModuleFacts:
             shown = ", ".join(f"{n}: {len(c)}" for n, c in made.items() if len(c) != 1)
             raise InputError("p", shown, "as many values of every parameter as there are rods")
         count = rods.pop() if rods else 1
-        check_memory("their parameters", count, lambda rods: COPIES * 8.0 * self.width * rods, "p")
-        p = np.empty((count, self.width))
+        width = self.structure.width
+        check_memory("their parameters", count, lambda rods: COPIES * 8.0 * width * rods, "p")
+        p = np.empty((count, width))
         for name, column in made.items():
             p[:, places[name]] = column
         return p
@@ -280,11 +233,10 @@ def _check_column(name: str, value: Any, count: int, rule: str) -> Array:
     return column
 
 
-def _remember(kept: dict[Any, Any], key: Any, value: Any) -> None:
-    """Keep a value by its key; forget all others once there are too many."""
-    if len(kept) >= KEPT:
-        kept.clear()
-    kept[key] = value
+@lru_cache(maxsize=KEPT)
+def _table(numbers: bytes) -> TableData:
+    """Table from the bytes of its numbers in p, which many rods have in common."""
+    return TableData.of(np.frombuffer(numbers))
 
 
 @lru_cache(maxsize=16)

@@ -46,44 +46,23 @@ class Motion:
     """States over time, and the quantities that follow from them.
 
     t: times [s], (...); y: states, (..., states); work: of each load without potential since the
-    start [J], by term, each (...). Subclasses define the members that raise NotImplementedError.
+    start [J], by term, each (...); boundary_condition: how the rod's start is held; extra_states:
+    names of the states that are neither positions nor velocities; time_dependent_loads: loads that
+    change with time, by the names of their parameters; has_feedback: whether the module has sensors
+    or loads that follow the motion; energy_input: what changes and kicks have put in since the
+    start [J], (...) or a number; start_energy: at the start [J]. Trajectory and MotionSlice have
+    all of these, and `parameter` and `evaluate`.
     """
 
     t: Array
     y: Array
     work: Mapping[str, Array]
-
-    # What raises NotImplementedError here is defined by Trajectory and MotionSlice.
-
-    @cached_property
-    def boundary_condition(self) -> Boundary:
-        """Boundary of the rod: how its start is held."""
-        raise NotImplementedError
-
-    @cached_property
-    def extra_states(self) -> tuple[str, ...]:
-        """Names of the states that are neither positions nor velocities."""
-        raise NotImplementedError
-
-    @cached_property
-    def time_dependent_loads(self) -> Mapping[str, Callable[[Any], Any]]:
-        """Loads that change with time, by the names of their parameters."""
-        raise NotImplementedError
-
-    @cached_property
-    def has_feedback(self) -> bool:
-        """Whether the module has sensors or loads that follow the motion."""
-        raise NotImplementedError
-
-    @cached_property
-    def energy_input(self) -> Array | float:
-        """Energy that changes and kicks have put in since the start [J], (...) or a number."""
-        raise NotImplementedError
-
-    @cached_property
-    def start_energy(self) -> float:
-        """Energy at the start [J]."""
-        raise NotImplementedError
+    boundary_condition: Boundary
+    extra_states: tuple[str, ...]
+    time_dependent_loads: Mapping[str, Callable[[Any], Any]]
+    has_feedback: bool
+    energy_input: Array | float
+    start_energy: float  # subclasses may have cached properties of these names
 
     def parameter(self, name: str) -> Array | float:
         """A parameter of the module that is a number, (...) or one for all samples."""
@@ -104,12 +83,10 @@ class Motion:
         """
         found = self._cache.get(name)
         if found is None:
-            only = ONLY.get(name, "")
-            if only and not getattr(self.boundary_condition, only):
-                raise KeyError(
-                    f"{name} is no quantity of a rod that is {self.boundary_condition.title}"
-                )
-            found = self._cache[name] = _formula(name)(self)
+            only, boundary = ONLY.get(name), self.boundary_condition
+            if only and not getattr(boundary, only):
+                raise KeyError(f"{name} is no quantity of a rod that is {boundary.title}")
+            found = self._cache[name] = _compute(self, name)
         return found
 
     @cached_property
@@ -143,19 +120,15 @@ class MotionSlice(Motion):
         start_energy: float = 0.0,
         timed: Mapping[str, Callable[[Any], Any]] | None = None,
     ):
-        self.model, self.boundary_condition, self.p, self.y = (
-            model,
-            BOUNDARIES[model.BOUNDARY],
-            p,
-            y,
-        )
+        self.model, self.p, self.y = model, p, y
+        self.boundary_condition = BOUNDARIES[model.BOUNDARY]
         self.extra_states = tuple(getattr(model, "STATES", ()))
         self.t = np.zeros(y.shape[:-1]) if t is None else t
         self.work, self.time_dependent_loads = work or {}, timed or {}
         self.energy_input, self.start_energy = given, start_energy
 
     @cached_property
-    def has_feedback(self) -> bool:
+    def has_feedback(self) -> bool:  # type: ignore[override]
         return structure_of(self.model).has_feedback
 
     def parameter(self, name: str) -> float:
@@ -185,17 +158,19 @@ def loads_at_work(model: ModuleType) -> tuple[str, ...]:
         return tuple(model.power(0.0, y, p))
 
 
-def _formula(name: str) -> Callable[[Motion], Any]:
-    formula = FORMULAS.get(name)
-    if formula is not None:
-        return formula
+def _compute(motion: Motion, name: str) -> Any:
+    """Compute a quantity. Raises KeyError for a name that no motion has."""
+    if name in FORMULAS:
+        return FORMULAS[name](motion)
     if name in PARAMETERS:
-        return lambda motion: _load(motion, name)
+        return _load(motion, name)
     prefix, _, term = name.partition("_")
-    if prefix not in OF_A_LOAD:  # a state that is added
-        return lambda motion: _signal(motion, name)
-    of = OF_A_LOAD[prefix]
-    return lambda motion: of(motion, term)
+    if prefix in OF_A_LOAD:
+        return OF_A_LOAD[prefix](motion, term)
+    signals = motion.values("signals")
+    if name not in signals:
+        raise KeyError(f"{name} is no quantity{did_you_mean(name, (*FORMULAS, *signals))}")
+    return signals[name]
 
 
 def _of_states(function: str) -> Callable[[Motion], Any]:
@@ -208,8 +183,8 @@ def _of_times_and_states(function: str) -> Callable[[Motion], Any]:
     return lambda motion: motion.evaluate(function, motion.t, motion.y)
 
 
-def _of_part(group: str, at: int) -> Callable[[Motion], Array]:
-    """Formula of one part of another quantity, along its last axis."""
+def _of_part(group: str, at: int | slice) -> Callable[[Motion], Array]:
+    """Formula of one part of another quantity, or of some, along its last axis."""
     return lambda motion: motion.values(group)[..., at]
 
 
@@ -237,22 +212,17 @@ def _clamp_angle(motion: Motion) -> Array | float:
 def _link_differences(motion: Motion, links: str, clamp: Array | float) -> Array:
     """Differences between neighbouring links; at a spring in the root or the tail, between a link
     and the value at which the spring holds it."""
-    values = motion.values(links)
+    values, boundary = motion.values(links), motion.boundary_condition
     held = np.broadcast_to(np.asarray(clamp)[..., None], (*values.shape[:-1], 1))
-    root, tail = (
-        [held] if size else []
-        for size in (motion.boundary_condition.root, motion.boundary_condition.tail)
-    )
+    root, tail = ([held] if size else [] for size in (boundary.root, boundary.tail))
     return np.diff(np.concatenate((*root, values, *tail), axis=-1), axis=-1)
 
 
 def _joint_forces(motion: Motion) -> Array:
     """Forces [N] in the joints that pass one on to a moving link, (..., sections, 2)."""
     links = motion.values("phi").shape[-1]
-    per_mass = motion.evaluate(forces_per_mass, motion.y)
-    first = (
-        motion.boundary_condition.first_force - motion.boundary_condition.first
-    )  # joint 0 of a free rod passes none on
+    per_mass, boundary = motion.evaluate(forces_per_mass, motion.y), motion.boundary_condition
+    first = boundary.first_force - boundary.first  # joint 0 of a free rod passes none on
     unit = np.asarray(motion.parameter("mass"))[..., None, None] / links
     found: Array = unit * per_mass[..., first:, :]
     if (own := _call_optional(motion, "start_loads", motion.t)) is not None:
@@ -311,15 +281,6 @@ def _velocity(motion: Motion, function: str, *at: int) -> Array:
     return found + y[..., half : half + 2] if base else found
 
 
-def _principal(motion: Motion) -> PrincipalAxes:
-    return principal_axes(*np.moveaxis(motion.values("inertia"), -1, 0))
-
-
-def _total_work(motion: Motion) -> Array:
-    total: Array = sum(motion.work.values(), start=np.zeros(motion.y.shape[:-1]))
-    return total
-
-
 def _balance(motion: Motion) -> Array:
     gained = motion.values("total_energy") - motion.start_energy
     balance: Array = gained - motion.values("total_work") - motion.energy_input
@@ -350,14 +311,6 @@ def _signals(motion: Motion) -> dict[str, Array]:
     return found | {name: motion.y[..., first + at] for at, name in enumerate(motion.extra_states)}
 
 
-def _signal(motion: Motion, name: str) -> Array:
-    """Values of one signal, by its name. Raises KeyError for what no motion has."""
-    found: dict[str, Array] = motion.values("signals")
-    if name not in found:
-        raise KeyError(f"{name} is no quantity{did_you_mean(name, (*FORMULAS, *found))}")
-    return found[name]
-
-
 FORMULAS: dict[str, Callable[[Motion], Any]] = {
     "t": lambda motion: motion.t,
     "phi": lambda motion: _of_all_links(motion, 0, _clamp_angle(motion)),
@@ -380,7 +333,7 @@ FORMULAS: dict[str, Callable[[Motion], Any]] = {
     "reaction": lambda motion: -motion.values("joint_forces")[..., 0, :],
     "reaction_moment": _of_times_and_states("reaction_moment"),
     "support_forces": _support_forces,  # with the moments, (..., n, 3)
-    "support_force": lambda motion: motion.values("support_forces")[..., :2],
+    "support_force": _of_part("support_forces", slice(2)),
     "support_moment": _of_part("support_forces", 2),
     "momentum": _of_states("momentum"),
     "angular_momentum": _of_states("angular_momentum"),
@@ -389,13 +342,13 @@ FORMULAS: dict[str, Callable[[Motion], Any]] = {
     "spring_energy": _of_part("energy", 1),
     "gravity_energy": _of_part("energy", 2),
     "total_energy": _total_energy,
-    "total_work": _total_work,
+    "total_work": lambda motion: sum(motion.work.values(), start=np.zeros(motion.y.shape[:-1])),
     "energy_balance": _balance,
     "inertia": _of_states("inertia"),  # of its parts, (..., 3)
     "inertia_x": _of_part("inertia", 0),
     "inertia_y": _of_part("inertia", 1),
     "product_xy": _of_part("inertia", 2),
-    "principal_axes": _principal,
+    "principal_axes": lambda motion: principal_axes(*np.moveaxis(motion.values("inertia"), -1, 0)),
     "principal_angle": lambda motion: motion.values("principal_axes").angle,
     "principal_moments": lambda motion: motion.values("principal_axes").moments,
     "signals": _signals,  # by name

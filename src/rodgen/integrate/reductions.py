@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
 from typing import Any, NamedTuple
@@ -77,19 +77,22 @@ def parse(text: str) -> Reduction | None:
     return Reduction(text, found[1], found[2], start, end) if start <= end else None
 
 
-def parse_all(texts: Iterable[str], names: Iterable[str]) -> tuple[Reduction, ...]:
+def parse_all(texts: Iterable[str], names: Collection[str]) -> tuple[Reduction, ...]:
     """Parse reductions from their texts. Raises InputError for one of no number by these names."""
-    names = tuple(names)
     found = []
     for at, text in enumerate(texts):
         one = parse(text) if isinstance(text, str) else None
         if one is None or one.number not in names:
-            shown = dict.fromkeys(re.sub(r"(?<=_)\d+", "{}", name) for name in names)
-            allowed = _ALLOWED.format(of=", ".join(REDUCTIONS), names=", ".join(shown))
+            allowed = _ALLOWED.format(of=", ".join(REDUCTIONS), names=patterns_of(names))
             hint = did_you_mean(one.number, names) if one else ""
             raise InputError(f"keep[{at}]", text, allowed + hint)
         found.append(one)
     return tuple(found)
+
+
+def patterns_of(names: Iterable[str]) -> str:
+    """Names of numbers for a message, those that differ in an index once: phi_{}, tip_x."""
+    return ", ".join(dict.fromkeys(re.sub(r"(?<=_)\d+", "{}", name) for name in names))
 
 
 @dataclass(frozen=True)

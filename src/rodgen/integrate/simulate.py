@@ -141,7 +141,7 @@ def simulate(
 def _doubts(system: System, model: ModuleType) -> tuple[Note, ...]:
     """Doubts about the steps; none where they cannot be looked at, which the run will tell."""
     with np.errstate(all="ignore"), suppress(StepError, OverflowError):
-        return step_doubts(system, model)
+        return tuple(step_doubts(system, model))
     return ()
 
 
@@ -234,10 +234,8 @@ def _run(
     notes: tuple[Note, ...],
 ) -> Solution:
     """Perform the run, with a bar if nothing else was asked for."""
-    if callable(progress):
-        return _Simulation(saver, progress, interrupt, notes).run()
-    if progress is False:
-        return _Simulation(saver, lambda _: None, interrupt, notes).run()
+    if callable(progress) or progress is False:
+        return _Simulation(saver, progress or (lambda _: None), interrupt, notes).run()
     with show_run(saver.system.name, *saver.system.settings.span) as update:
         return _Simulation(saver, update, interrupt, notes).run()
 
@@ -253,19 +251,16 @@ class _Simulation:
         """Prepare the run; notes: on the numbers of the system."""
         self.saver, self.progress, self.interrupt = saver, progress, interrupt
         self.system, self.model = system, model = saver.system, saver.model
-        self.settings, self.p = system.settings, system.p
-        self.notes = notes
+        self.settings, self.notes = system.settings, notes
         switches = () if self.settings.has_fixed_step else system.time_laws.switches()
-        self.watch = EventDetector(system.events, model, self.p, switches)
+        self.watch = EventDetector(system.events, model, system.p, switches)
         self.start = self._told = time.perf_counter()
         start, y0 = self.settings.span[0], system.y0
-        self.works = loads_at_work(model)
         with np.errstate(all="ignore"):  # of a state that cannot be integrated
-            self.machine = make_integrator(model, self.p, self.settings, start, y0)
-        times = self.settings.sample_times
+            self.machine = make_integrator(model, system.p, self.settings, start, y0)
+        times, works = self.settings.sample_times, loads_at_work(model)
         self.pole: Any = None
-        self.recorder = Recorder(times, len(y0), self.works, saver.stream, saver.samples)
-        self.seconds_before = saver.seconds
+        self.recorder = Recorder(times, len(y0), works, saver.stream, saver.samples)
         saver.attach(self.recorder, self.machine, self.watch, lambda: self.stats)
 
     def run(self) -> Solution:
@@ -290,8 +285,7 @@ class _Simulation:
         try:
             stretches.walk(*parts, budget, self._between_slices)
         except EventStop as event:
-            name = self.system.events[event.number].name
-            return event_message(event.t, name)
+            return event_message(event.t, self.system.events[event.number].name)
         return ""
 
     def _between_slices(self) -> None:
@@ -306,7 +300,7 @@ class _Simulation:
     @property
     def stats(self) -> Stats:
         """Costs of the run so far, with its time by the clock."""
-        seconds = self.seconds_before + time.perf_counter() - self.start
+        seconds = self.saver.seconds + time.perf_counter() - self.start
         return Stats.of(self.machine.counts, seconds, self.model.PROVENANCE["target"])
 
     def solution(self, status: str, message: str) -> Solution:
@@ -320,15 +314,5 @@ class _Simulation:
                 kept.run_notes = self.notes  # for all of which a file may have no room
                 return kept
         happened = tuple(Event(names[number], t, y) for number, t, y in self.watch.happened)
-        return Solution(
-            system=self.system,
-            t=t,
-            y=y,
-            work=work,
-            stats=stats,
-            status=status,
-            message=message,
-            model=self.model,
-            events=happened,
-            run_notes=self.notes,
-        )
+        more: dict[str, Any] = {"model": self.model, "events": happened, "run_notes": self.notes}
+        return Solution(self.system, t, y, work, stats, status, message, **more)

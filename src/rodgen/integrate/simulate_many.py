@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator, Mapping, Sequence
-from functools import lru_cache
+from collections.abc import Mapping, Sequence
+from itertools import pairwise
 from types import ModuleType
 from typing import Any, Unpack
 
@@ -14,13 +14,13 @@ from pydantic import ValidationError
 
 from rodgen.arrays import Array
 from rodgen.errors import InputError, Missing, check_type
-from rodgen.integrate import lane_runs
 from rodgen.integrate.diagnosis import advice
 from rodgen.integrate.ensemble import Ensemble
 from rodgen.integrate.events import EventDetector
+from rodgen.integrate.lane_runs import ReductionPlan, run_lanes, stop_reason
 from rodgen.integrate.methods.method_choice import choose, make_integrator
 from rodgen.integrate.module_facts import ModuleFacts, facts_of
-from rodgen.integrate.quantity_formulas import MotionSlice
+from rodgen.integrate.quantity_formulas import MotionSlice, loads_at_work
 from rodgen.integrate.recorder import Recorder
 from rodgen.integrate.reductions import Crossing, Reduction
 from rodgen.integrate.stepper import FAILED, FINISHED, StepError, event_message
@@ -111,7 +111,7 @@ def simulate_many(
         for name, value in (("p", p), ("y0", y0)):
             if value is None:
                 raise InputError(name, Missing(), "given beside a module")
-        return simulate_rods(system, p, y0, keep=keep, workers=workers, **settings)
+        return simulate_rods(system, p, y0, _read_settings(settings), keep=keep, workers=workers)
     system = System.of(system).with_settings(**settings)
     check_settings_used(system.settings, settings)
     if ends := [event.name for event in system.events if event.action == "stop"]:
@@ -124,54 +124,38 @@ def simulate_many(
     if system.settings.method == AUTO:
         system = system.with_method(choose(system, model).method)
     y0 = own if y0 is None else y0
-    return simulate_rods(model, p, y0, keep=keep, workers=workers, **system.settings.used_settings)
-
-
-def can_run_in_lanes(
-    model: ModuleType,
-    keep: Sequence[str],
-    crossings: Sequence[Crossing],
-    traced: Sequence[str],
-    **settings: Any,
-) -> bool:
-    """Whether runs with these settings go side by side in C."""
-    equations = facts_of(model)
-    used, _ = _settings(tuple((name, _hashable(name, v)) for name, v in settings.items()))
-    reductions = equations.reductions(tuple(keep))
-    return equations.plan(used, reductions, tuple(crossings), tuple(traced)) is not None
+    return simulate_rods(model, p, y0, system.settings, keep=keep, workers=workers)
 
 
 def simulate_rods(
     model: ModuleType,
     p: ArrayLike | Mapping[str, ArrayLike] | None,
     y0: ArrayLike | None,
-    *,
+    settings: IntegrationTable,
     keep: Sequence[str] = (),
     crossings: Sequence[Crossing] = (),
     traced: Sequence[str] = (),
     workers: int = 1,
-    **settings: Any,
 ) -> Ensemble:
-    """Integrate many rods of a module, as `simulate_many` does. crossings: levels to look for,
-    traced: numbers of which all samples are kept; both in runs side by side alone. Raises what
-    `simulate_many` raises."""
-    equations = facts_of(model)
-    used, times = _settings(tuple((name, _hashable(name, v)) for name, v in settings.items()))
+    """Integrate many rods of a module, as `simulate_many` does. settings: with a method that is
+    chosen; crossings: levels to look for, traced: numbers of which all samples are kept; both in
+    runs side by side alone. Raises what `simulate_many` raises."""
+    facts = facts_of(model)
     whole = isinstance(workers, int) and not isinstance(workers, bool)
     if not (whole and 0 < workers <= MOST_WORKERS):
         raise InputError("workers", workers, f"a whole number from 1 to {MOST_WORKERS}")
-    width, states = equations.width, equations.states
-    packed = equations.pack(p) if isinstance(p, Mapping) else _check_rows("p", p, width)
+    width, states = facts.structure.width, facts.states
+    packed = facts.pack(p) if isinstance(p, Mapping) else _check_rows("p", p, width)
     y = _check_rows("y0", y0, states)
     if len(packed) != len(y) and 1 not in (len(packed), len(y)):
         allowed = f"({len(packed)}, {states}), a state for every row of p, or one state ({states},)"
         raise InputError("y0", _Shape(y.shape), allowed)
     rods = min(len(packed), len(y)) and max(len(packed), len(y))
-    reductions = equations.reductions((keep,) if isinstance(keep, str) else tuple(keep))
-    plan = equations.plan(used, reductions, tuple(crossings), tuple(traced))
+    reductions = facts.parse_reductions((keep,) if isinstance(keep, str) else keep)
+    plan = facts.plan(settings, reductions, tuple(crossings), tuple(traced))
     if plan is None:
-        return _run_in_turn(equations, reductions, used, times.all, packed, y, rods)
-    return _run_in_lanes(equations, plan, reductions, used, times, packed, y, rods, workers)
+        return _run_in_turn(facts, reductions, settings, packed, y, rods)
+    return _run_in_lanes(facts, plan, reductions, settings, packed, y, rods, workers)
 
 
 class _Shape(tuple[int, ...]):
@@ -198,16 +182,9 @@ def _check_rows(name: str, values: Any, width: int) -> Array:
     return rows
 
 
-def _hashable(name: str, value: Any) -> Any:
-    """Make a setting hashable, so that it can be looked up."""
-    value = to_plain(value, name)
-    return tuple(value) if isinstance(value, list) else value
-
-
-@lru_cache(maxsize=64)
-def _settings(given: tuple[tuple[str, Any], ...]) -> tuple[IntegrationTable, lane_runs.OutputTimes]:
-    """Settings, checked as a scene's are, and the output times."""
-    table = {name: list(v) if isinstance(v, tuple) else v for name, v in given if v is not None}
+def _read_settings(given: Mapping[str, Any]) -> IntegrationTable:
+    """Settings beside a module, checked as a scene's are."""
+    table = {name: to_plain(v, name) for name, v in given.items() if v is not None}
     try:
         settings = IntegrationTable.model_validate({"method": "dop853"} | table)
     except ValidationError as error:
@@ -215,52 +192,49 @@ def _settings(given: tuple[tuple[str, Any], ...]) -> tuple[IntegrationTable, lan
     if settings.method == AUTO:
         raise InputError("method", AUTO, f"one of {', '.join(METHODS)}: auto looks at one scene")
     check_settings_used(settings, table)
-    return settings, lane_runs.OutputTimes.of(settings.sample_times)
+    return settings
 
 
 # Side by side ----------------------------------------------------------------------------------
 
 
 def _run_in_lanes(
-    equations: ModuleFacts,
-    plan: lane_runs.ReductionPlan,
+    facts: ModuleFacts,
+    plan: ReductionPlan,
     reductions: Sequence[Reduction],
     settings: IntegrationTable,
-    times: lane_runs.OutputTimes,
     p: Array,
     y: Array,
     rods: int,
     workers: int,
 ) -> Ensemble:
     """Integrate the rods side by side, in the lanes of C."""
-    courses, which, refused = equations.courses(settings, p, rods)
-    jobs = list(_ranges_without(sorted(refused), rods)) if refused else [(0, rods)]
-    block = lane_runs.run_lanes(
-        equations.lanes, plan, settings, times, p, y, courses, which, rods, jobs, workers
-    )
-    outcome, works = block.outcome, equations.lanes.works
+    table, which, refused = facts.find_stretches(settings, p, rods)
+    gaps = pairwise((-1, *sorted(refused), rods))
+    jobs = [(before + 1, gap) for before, gap in gaps if gap > before + 1]
+    times, lanes, first = settings.sample_times, facts.model.LANES, facts.states
+    block = run_lanes(lanes, plan, settings, times, p, y, table, which, rods, jobs, workers)
+    outcome, reached = block.outcome, block.outcome["status"] == REACHED
     ended = np.full(rods, FINISHED)
     message: dict[int, str] = {}
     # Of what has come to its end there is nothing to say: most often that is all of it.
-    for rod in (
-        () if (reached := outcome["status"] == REACHED).all() else np.flatnonzero(~reached).tolist()
-    ):
+    for rod in () if reached.all() else np.flatnonzero(~reached).tolist():
         status, t = int(outcome["status"][rod]), float(outcome["t"][rod])
         if status == STOPPED:
             message[rod] = event_message(t, plan.watched.stop_name(int(outcome["stopped"][rod])))
             continue
-        said = refused.get(rod) or _failure_message(
-            lane_runs.stop_reason(status, settings, t), t, settings
+        ended[rod] = FAILED
+        message[rod] = refused.get(rod) or _failure_message(
+            stop_reason(status, settings, t), t, settings
         )
-        message[rod], ended[rod] = said, FAILED
     for rod in refused:
         block.values[rod], block.state[rod], outcome["t"][rod] = np.nan, np.nan, settings.span[0]
     least, most = block.values[:, -2], block.values[:, -1]
     return Ensemble(
         values={one.text: block.values[:, at] for at, one in enumerate(reductions)},
         t=outcome["t"],
-        y=block.state[:, : equations.states],
-        work={term: block.state[:, equations.states + at] for at, term in enumerate(works)},
+        y=block.state[:, :first],
+        work={term: block.state[:, first + at] for at, term in enumerate(lanes.works)},
         status=ended,
         message=message,
         nsteps=outcome["steps"],
@@ -269,17 +243,8 @@ def _run_in_lanes(
         energy_error=np.maximum(most, -least),
         crossed=tuple(plan.watched.decode(block.crossed)),
         traces=block.traces,
-        samples=times.all,
+        samples=times,
     )
-
-
-def _ranges_without(gaps: Sequence[int], count: int) -> Iterator[tuple[int, int]]:
-    """Ranges of whole numbers below a count that leave out the gaps."""
-    begin = 0
-    for gap in (*gaps, count):
-        if gap > begin:
-            yield begin, gap
-        begin = gap + 1
 
 
 def _failure_message(why: str, t: float, settings: IntegrationTable) -> str:
@@ -290,20 +255,19 @@ def _failure_message(why: str, t: float, settings: IntegrationTable) -> str:
 
 
 def _run_in_turn(
-    equations: ModuleFacts,
+    facts: ModuleFacts,
     reductions: Sequence[Reduction],
     settings: IntegrationTable,
-    times: Array,
     p: Array,
     y: Array,
     rods: int,
 ) -> Ensemble:
     """Integrate the rods one after the other, by whatever method."""
-    works = equations.works
+    works, times = loads_at_work(facts.model), settings.sample_times
     made = Ensemble(
         values={one.text: np.full(rods, np.nan) for one in reductions},
         t=np.full(rods, settings.span[0]),
-        y=np.full((rods, equations.states), np.nan),
+        y=np.full((rods, facts.states), np.nan),
         work={term: np.full(rods, np.nan) for term in works},
         status=np.full(rods, FINISHED),
         message={},
@@ -314,22 +278,20 @@ def _run_in_turn(
     )
     for rod in range(rods):
         of_rod, start = p[rod % len(p)], y[rod % len(y)]
-        recorder = Recorder(times, equations.states, works)
+        recorder = Recorder(times, facts.states, works)
         with np.errstate(all="ignore"):  # of a state that cannot be integrated
-            taken = make_integrator(equations.model, of_rod, settings, settings.span[0], start)
+            taken = make_integrator(facts.model, of_rod, settings, settings.span[0], start)
             try:
-                _run(equations, of_rod, settings, taken, recorder)
-                _store_reductions(
-                    equations, of_rod, start, settings, recorder, reductions, made, rod
-                )
+                run = of_rod, start, taken, recorder
+                found, made.energy_error[rod] = _run_rod(facts, settings, reductions, *run)
+                for one, value in zip(reductions, found, strict=True):
+                    made.values[one.text][rod] = value
             except (StepError, OverflowError, InputError) as error:
                 made.status[rod] = getattr(error, "status", FAILED)
-                why = _with_values(str(error), equations, of_rod)
-                made.message[rod] = (
-                    why
-                    if isinstance(error, InputError)
-                    else _failure_message(why, taken.t, settings)
-                )
+                why = _with_values(str(error), facts, of_rod)
+                if not isinstance(error, InputError):
+                    why = _failure_message(why, taken.t, settings)
+                made.message[rod] = why
             made.t[rod], made.y[rod] = taken.t, taken.y
             for term, work in zip(works, taken.works(recorder), strict=True):
                 made.work[term][rod] = work
@@ -339,49 +301,35 @@ def _run_in_turn(
     return made
 
 
-def _with_values(text: str, equations: ModuleFacts, p: Array) -> str:
+def _with_values(text: str, facts: ModuleFacts, p: Array) -> str:
     """Replace the names that numbers of expressions have in p by their values in a text."""
-    structure = equations.structure
+    structure = facts.structure
     if not structure.numbers:
         return text
     names = re.compile(rf"\b({'|'.join(map(re.escape, structure.numbers))})\b")
     return names.sub(lambda found: f"{p[structure.indices[found[1]]]:g}", text)
 
 
-def _run(
-    equations: ModuleFacts,
-    p: Array,
+def _run_rod(
+    facts: ModuleFacts,
     settings: IntegrationTable,
-    machine: Integrator,
-    recorder: Recorder,
-) -> None:
-    """Run a rod to its end. Raises StepError."""
-    course = equations.time_laws(settings.span, p)
-    watch = EventDetector(
-        (), equations.model, p, () if settings.has_fixed_step else course.switches()
-    )
-    stretches = Stretches.of(course, settings.has_fixed_step)
-    stretches.walk(machine, recorder, watch, settings.step_limit)
-
-
-def _store_reductions(
-    equations: ModuleFacts,
+    reductions: Sequence[Reduction],
     p: Array,
     start: Array,
-    settings: IntegrationTable,
+    machine: Integrator,
     recorder: Recorder,
-    reductions: Sequence[Reduction],
-    made: Ensemble,
-    rod: int,
-) -> None:
-    """Store the reductions of the samples of a run."""
+) -> tuple[list[float], float]:
+    """Run a rod to its end, and return its reductions and the largest error of its energy balance
+    [J]. Raises StepError."""
+    laws, fixed = facts.time_laws(settings.span, p), settings.has_fixed_step
+    watch = EventDetector((), facts.model, p, () if fixed else laws.switches())
+    Stretches.of(laws, fixed).walk(machine, recorder, watch, settings.step_limit)
     t, y, work = recorder.in_memory()
-    at_start = MotionSlice(equations.model, p, start[None], np.array(settings.span[:1]))
+    at_start = MotionSlice(facts.model, p, start[None], np.array(settings.span[:1]))
     motion = MotionSlice(
-        *(equations.model, p, y, t, work),
+        *(facts.model, p, y, t, work),
         start_energy=float(at_start.values("total_energy")[0]),
-        timed=equations.time_dependent_loads(p),
+        timed=facts.time_dependent_loads(p),
     )
-    for one in reductions:
-        made.values[one.text][rod] = one.reduce(t, equations.numbers.values(motion, one.number))
-    made.energy_error[rod] = np.abs(motion.values("energy_balance")).max(initial=0.0)
+    found = [one.reduce(t, facts.numbers.values(motion, one.number)) for one in reductions]
+    return found, float(np.abs(motion.values("energy_balance")).max(initial=0.0))

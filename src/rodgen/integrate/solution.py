@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
-from functools import cached_property
+from functools import cached_property, partial
+from operator import attrgetter
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -27,42 +28,51 @@ if TYPE_CHECKING:
 
 SHOWN = 10  # events
 # Members that only quantities and studies read.
-PARTS = frozenset(
-    (
-        "extra_states",
-        "evaluate",
-        "has_feedback",
-        "energy_input",
-        "boundary_condition",
-        "names",
-        "run_notes",
-        "isel",
-        "time_dependent_loads",
-        "head",
-    )
-)
-COUNTED = {
-    "nsteps": "steps",
-    "rejected": "rejected steps",
-    "nfev": "evaluations of the rates",
-    "njev": "evaluations of their Jacobian",
-    "nlu": "factorisations of matrices",
+PARTS = {
+    *("extra_states", "evaluate", "has_feedback", "energy_input", "boundary_condition"),
+    *("names", "run_notes", "isel", "time_dependent_loads", "head"),
 }
+COUNTED = (
+    ("nsteps", "steps"),
+    ("rejected", "rejected steps"),
+    ("nfev", "evaluations of the rates"),
+    ("njev", "evaluations of their Jacobian"),
+    ("nlu", "factorisations of matrices"),
+)
 
 
-def _stats_row(name: str, words: str) -> Row:
-    """Row of a number of the run's Stats."""
-    return Row(name, words, of=lambda run: getattr(run.stats, name), text=omit_from_tables)
+# A row that tables leave out.
+_hidden_row = partial(Row, text=omit_from_tables)
 
 
-def _energy_error(run: Solution) -> float | None:
-    """Largest error of the energy balance [J]; None without samples."""
-    return run.energy_error if len(run.t) else None
+def _span_text(run: Solution) -> str:
+    return f", t = {run.t[0]:g} to {run.t[-1]:g} s" if len(run.t) else ""
+
+
+def _method_text(run: Solution) -> str:
+    stats = run.stats
+    rejected = f" ({stats.rejected} rejected)" if stats.rejected else ""
+    return f"{run.method}, {stats.nsteps} steps{rejected}, {stats.nfev} evaluations"
 
 
 def _time_taken(run: Solution) -> str:
     target = f", target {run.stats.target}" if run.stats.target else ""
     return f"{run.stats.wall_seconds:.3g} s{target}"
+
+
+def _events_text(run: Solution) -> str | None:
+    shown = [f"{event.name} at {event.t:.6g} s" for event in run.events[:SHOWN]]
+    left = len(run.events) - len(shown)
+    return ", ".join(shown) + f" and {left} more" * bool(left) or None
+
+
+def _tip(run: Solution) -> Array | None:
+    return run.tip[-1] if len(run.t) else None
+
+
+def _tip_text(run: Solution) -> str | None:
+    at = _tip(run)
+    return None if at is None else f"({at[0]:.6g}, {at[1]:.6g}) m"
 
 
 class Solution(Trajectory, Result, Plottable):
@@ -97,44 +107,44 @@ class Solution(Trajectory, Result, Plottable):
     """
 
     ROWS = (
-        Row("name", "scene", of=lambda run: run.scene.name, text=omit_from_tables),
-        Row("status", "status", text=lambda run: run._status_text),
-        Row("message", "message", text=omit_from_tables),
-        Row("samples", "samples", of=lambda run: len(run.t), text=lambda run: run._samples),
-        Row("states", "states", of=lambda run: run.y.shape[-1], text=omit_from_tables),
+        _hidden_row("name", "scene", of=lambda run: run.scene.name),
         Row(
-            "end",
-            "end",
-            "s",
-            of=lambda run: run.t[-1] if len(run.t) else None,
-            text=omit_from_tables,
+            "status",
+            "status",
+            text=lambda run: f"{run.status}: {run.message}" if run.message else run.status,
         ),
-        Row("method", "method", of=lambda run: run.method, text=lambda run: run._method),
-        *(_stats_row(name, words) for name, words in COUNTED.items()),
-        Row("seconds", "time taken", "s", of=lambda run: run.stats.wall_seconds, text=_time_taken),
-        Row("target", "module", of=lambda run: run.stats.target, text=omit_from_tables),
-        Row("events", "events", of=lambda run: run._events, text=lambda run: run._named_events),
-        Row("tip", "tail at the end", "m", of=lambda run: run._tip, text=lambda run: run._tail),
+        _hidden_row("message", "message"),
         Row(
-            "work",
-            "work of {} until the end",
-            "J",
-            ".6g",
-            of=lambda run: run._work,
-            text=omit_from_tables,
+            "samples",
+            "samples",
+            of=lambda run: len(run.t),
+            text=lambda run: f"{len(run.t)} of {run.y.shape[-1]} states{_span_text(run)}",
         ),
+        _hidden_row("states", "states", of=lambda run: run.y.shape[-1]),
+        _hidden_row("end", "end", "s", of=lambda run: run.t[-1] if len(run.t) else None),
+        Row("method", "method", text=_method_text),
+        *(_hidden_row(name, words, of=attrgetter(f"stats.{name}")) for name, words in COUNTED),
+        Row("seconds", "time taken", "s", of=attrgetter("stats.wall_seconds"), text=_time_taken),
+        _hidden_row("target", "module", of=attrgetter("stats.target")),
         Row(
-            "energy_error",
-            "energy balances to",
-            "J",
-            of=_energy_error,
-            text=lambda run: run._balance,
+            "events",
+            "events",
+            of=lambda run: [{"name": event.name, "t": event.t} for event in run.events],
+            text=_events_text,
+        ),
+        Row("tip", "tail at the end", "m", of=_tip, text=_tip_text),
+        _hidden_row(
+            *("work", "work of {} until the end", "J", ".6g"),
+            of=lambda run: {name: float(work[-1]) for name, work in run.work.items() if len(work)},
         ),
         Row(
-            "errors",
-            "growth of small errors",
-            of=lambda run: run._growth_row,
-            text=omit_from_tables,
+            *("energy_error", "energy balances to", "J"),
+            of=lambda run: run.energy_error if len(run.t) else None,
+            text=lambda run: f"{run.energy_error:.2e} J" if len(run.t) else None,
+        ),
+        _hidden_row(
+            *("errors", "growth of small errors"),
+            of=lambda run: None if run.errors is None else run.errors._asdict(),
         ),
     )
 
@@ -171,59 +181,13 @@ class Solution(Trajectory, Result, Plottable):
             words += f"grow tenfold in {self.errors.tenfold:.2g} s"
             yield doubt(words, **self.errors._asdict())
 
-    @property
-    def _growth_row(self) -> dict[str, float] | None:
-        return None if self.errors is None else self.errors._asdict()
-
-    @property
-    def _status_text(self) -> str:
-        return f"{self.status}: {self.message}" if self.message else self.status
-
-    @property
-    def _samples(self) -> str:
-        span = f", t = {self.t[0]:g} to {self.t[-1]:g} s" if len(self.t) else ""
-        return f"{len(self.t)} of {self.y.shape[-1]} states{span}"
-
-    @property
-    def _method(self) -> str:
-        stats = self.stats
-        rejected = f" ({stats.rejected} rejected)" if stats.rejected else ""
-        return f"{self.method}, {stats.nsteps} steps{rejected}, {stats.nfev} evaluations"
-
-    @property
-    def _events(self) -> list[dict[str, Any]]:
-        return [{"name": event.name, "t": event.t} for event in self.events]
-
-    @property
-    def _named_events(self) -> str | None:
-        shown = [f"{event.name} at {event.t:.6g} s" for event in self.events[:SHOWN]]
-        left = len(self.events) - len(shown)
-        return ", ".join(shown) + f" and {left} more" * bool(left) or None
-
-    @property
-    def _tip(self) -> Array | None:
-        return self.tip[-1] if len(self.t) else None
-
-    @property
-    def _tail(self) -> str | None:
-        return None if self._tip is None else f"({self._tip[0]:.6g}, {self._tip[1]:.6g}) m"
-
-    @property
-    def _work(self) -> dict[str, float]:
-        return {name: float(work[-1]) for name, work in self.work.items() if len(work)}
-
-    @property
-    def _balance(self) -> str | None:
-        return f"{self.energy_error:.2e} J" if len(self.t) else None
-
     def __dir__(self) -> list[str]:
         """Names that an editor offers: all but those which only extensions of rodgen need."""
         return [name for name in super().__dir__() if name not in PARTS]
 
     def __repr__(self) -> str:
-        span = f", t = {self.t[0]:g} to {self.t[-1]:g} s" if len(self.t) else ""
         said = f" ({self.message})" if self.message else ""
-        what = f"{len(self.t)} samples of {self.y.shape[-1]} states{span}"
+        what = f"{len(self.t)} samples of {self.y.shape[-1]} states{_span_text(self)}"
         return f"<Solution of {self.scene.name}: {what}; {self.status}{said}>"
 
     def __call__(self, t: float | Array) -> Array:

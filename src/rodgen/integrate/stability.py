@@ -141,13 +141,14 @@ class _ScaledJacobian:
         return self.product(w)[self.half : 2 * self.half]
 
     @property
-    def _scale(self) -> Array:
+    def scale(self) -> Array:
+        """Units of the states here, in those of the module."""
         return np.concatenate((self.unit, self.rate * self.unit, np.ones(self.added)))
 
     def product(self, w: Array) -> Array:
         """Multiply the Jacobian by w (states,), by a central difference."""
         w, half = np.asarray(w).ravel(), self.half
-        scale = self._scale
+        scale = self.scale
         e = SHIFT / max(np.abs(w).max(), np.finfo(float).tiny)
         step = e * scale * w
         up, down = (self.model.rhs(self.t, self.y + sign * step, self.p) for sign in (1, -1))
@@ -156,15 +157,12 @@ class _ScaledJacobian:
         difference[:half] = self.rate * w[half : 2 * half]  # q' = v
         return np.asarray(difference)
 
-    def to_scaled_units(self, raw: Complex) -> Complex:
-        """Scale an eigenvector of the module's own Jacobian to the units here."""
-        return raw / self._scale
-
 
 def _by_eig(system: _ScaledJacobian) -> tuple[complex, Complex, bool]:
     values, vectors = np.linalg.eig(system.model.jac(system.t, system.y, system.p))
     at = int(np.argmax(np.abs(values)))
-    return complex(values[at]), system.to_scaled_units(vectors[:, at].astype(complex)), True
+    vector = np.asarray(vectors[:, at].astype(complex) / system.scale, dtype=complex)
+    return complex(values[at]), vector, True
 
 
 def _by_arpack(system: _ScaledJacobian) -> tuple[complex, Complex, bool]:
@@ -175,14 +173,9 @@ def _by_arpack(system: _ScaledJacobian) -> tuple[complex, Complex, bool]:
     # A pair and its neighbour; the second try takes what one Krylov space holds.
     for tolerance in (TOLERANCE, 1.0)[size > MANY :]:
         try:
-            values, vectors = eigs(
-                operator,
-                k=2,
-                v0=start,
-                ncv=FEW if size > MANY else SPACE,
-                tol=tolerance,
-                maxiter=RESTARTS,
-            )
+            space = FEW if size > MANY else SPACE
+            how = {"v0": start, "ncv": space, "tol": tolerance, "maxiter": RESTARTS}
+            values, vectors = eigs(operator, k=2, **how)
         except ArpackNoConvergence as error:
             values, vectors = error.eigenvalues, error.eigenvectors
         except ArpackError:
@@ -224,13 +217,10 @@ def _growth_of_pair(tableau: Tableau) -> Growth:
 def _growth_functions() -> Iterator[tuple[str, Growth]]:
     for name, method in METHODS.items():
         tableau = method.tableau
-        if tableau:
-            yield (
-                name,
-                _growth_of_pair(tableau)
-                if tableau.follow
-                else _growth_of_one(tableau.A, tableau.b),
-            )
+        if tableau and tableau.follow:
+            yield name, _growth_of_pair(tableau)
+        elif tableau:
+            yield name, _growth_of_one(tableau.A, tableau.b)
         elif not method.implicit:
             solver = getattr(scipy.integrate, method.scipy)
             yield name, _growth_of_one(solver.A, solver.B)

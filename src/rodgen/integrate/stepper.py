@@ -32,14 +32,11 @@ class Counts:
     njev: int = 0
     nlu: int = 0
 
-    def __iadd__(self, other: Counts) -> Counts:
-        self.nsteps += other.nsteps
-        if other.rejected is not None:
-            self.rejected = (self.rejected or 0) + other.rejected
-        self.nfev += other.nfev
-        self.njev += other.njev
-        self.nlu += other.nlu
-        return self
+    def __add__(self, other: Counts) -> Counts:
+        told = [one.rejected for one in (self, other) if one.rejected is not None]
+        steps, rejected = self.nsteps + other.nsteps, sum(told) if told else None
+        calls = self.nfev + other.nfev, self.njev + other.njev, self.nlu + other.nlu
+        return Counts(steps, rejected, *calls)
 
 
 @dataclass(frozen=True)
@@ -64,10 +61,6 @@ class Stats:
         return cls(**asdict(counts), wall_seconds=seconds, target=target)
 
 
-def _no_limit(t: float, y: Array) -> float:
-    return np.inf
-
-
 @dataclass(frozen=True)
 class InitialValueProblem:
     """Initial value problem of a method in Python: y' = rhs(t, y) from (t, y) to the end.
@@ -82,7 +75,7 @@ class InitialValueProblem:
     y: Array
     end: float
     settings: IntegrationTable
-    longest: Callable[[float, Array], float] = _no_limit
+    longest: Callable[[float, Array], float] = lambda t, y: np.inf
     added: int = 0
 
 

@@ -21,7 +21,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rodgen.arrays import Array
-from rodgen.errors import InputError
 from rodgen.integrate.events import EventDetector
 from rodgen.integrate.recorder import Recorder
 from rodgen.integrate.stepper import Counts, StepError
@@ -29,7 +28,6 @@ from rodgen.loading.generated_module import call_module, structure_of
 from rodgen.scene import Scene
 from rodgen.scene.expression import Expression
 from rodgen.scene.time_laws import TimeLaws
-from rodgen.system import System
 
 State = dict[str, NDArray[Any]]
 
@@ -116,15 +114,15 @@ class Stretches:
     half_period: float = np.inf
 
     @classmethod
-    def of(cls, course: TimeLaws, fixed: bool, more: Iterable[Pulse] = ()) -> Stretches:
-        """Find the stretches of a course; fixed: all steps are equal; more: other pulses."""
-        start, end = course.start, course.end
-        breaks, pole, half_period = course.breaks(), course.first_pole(), course.half_period()
+    def of(cls, laws: TimeLaws, fixed: bool, more: Iterable[Pulse] = ()) -> Stretches:
+        """Find the stretches in the span of laws; fixed: all steps are equal; more: more pulses."""
+        start, end = laws.start, laws.end
+        breaks, pole, half_period = laws.breaks(), laws.first_pole(), laws.half_period()
         last = pole[0] - NEAREST * float(np.spacing(abs(pole[0]))) if pole else end
         if not fixed:  # what steps that grow in a time of rest would pass over
             # A pulse may rise slowly before its change counts: from its own length earlier on, lest
             # a method whose stages leave out the end of a step pass over what comes before.
-            pulses = (*course.pulses(), *more)
+            pulses = (*laws.pulses(), *more)
             found = (at for begin, peak, over in pulses for at in (2 * begin - over, peak))
             breaks = _drop_close(sorted({*breaks, *found}), set(breaks), WAKES * (end - start))
         ends = [*(at for at in breaks if start < at < last), *([last] if last > start else [])]
@@ -198,58 +196,6 @@ def _step_to(
                 raise StepError(CREPT.format(STRIDE, seen))
             seen = machine.t
         look()
-
-
-class Windows:
-    """Stretches of an open-ended run: windows as long as the scene's span, one after the other.
-
-    Loads are looked at in one window at a time. origin: where the first begins [s]; span: of the
-    present window; stretches: in it.
-    """
-
-    def __init__(self, system: System, origin: float):
-        start, end = system.settings.span
-        self._course, self._fixed = system.time_laws, system.settings.has_fixed_step
-        self._origin, self.length = origin, end - start
-        # To the bit, lest the first window end beside the span.
-        self._first = end if origin == start else origin + self.length
-        self._number = -1
-        self._move_to(0)
-
-    def next_end(self, t: float) -> float:
-        """End of the stretch that begins at a time [s]. Raises StepError at a pole."""
-        least = t + 4 * float(np.spacing(abs(t)))  # closer, and loads would be asked beyond it
-        number = max(0, int((least - self._origin) // self.length))
-        # The division may be a rounding beside the borders.
-        number -= number > 0 and self._window_start(number) > least
-        number += self._window_start(number + 1) <= least
-        if number != self._number:
-            try:
-                self._move_to(number)
-            except InputError as error:  # of masses that jump too often there
-                raise StepError(str(error)) from None
-        for end in self.stretches.ends:
-            if end > least:
-                return end
-        raise StepError(UNBOUNDED)
-
-    def _window_start(self, number: int) -> float:
-        """Start of a window [s], by its number."""
-        return self._first + (number - 1) * self.length if number else self._origin
-
-    def _move_to(self, number: int) -> None:
-        """Move to the window of this number, and find its stretches."""
-        self._number = number
-        at, over = self.span = self._window_start(number), self._window_start(number + 1)
-        if not (self._course.loads or self._course.expressions):
-            self.stretches = Stretches([over])
-            return
-        across: list[Pulse] = []
-        if number and not self._fixed:  # a rest may reach across the border
-            half = self.length / 2
-            across = replace(self._course, start=at - half, end=at + half).pulses()
-        course = replace(self._course, start=at, end=over)
-        self.stretches = Stretches.of(course, self._fixed, across)
 
 
 def with_span(scene: Scene, start: float, end: float) -> Scene:

@@ -152,28 +152,28 @@ class Trajectory(Motion):
         return self.system.scene
 
     @cached_property
-    def boundary_condition(self) -> Boundary:
+    def boundary_condition(self) -> Boundary:  # type: ignore[override]
         """Boundary of the rod: how its start is held."""
         return self.system.boundary_condition
 
     @cached_property
-    def extra_states(self) -> tuple[str, ...]:
+    def extra_states(self) -> tuple[str, ...]:  # type: ignore[override]
         """Names of the states that are neither positions nor velocities."""
         return self.system.structure.state_names
 
     @cached_property
-    def has_feedback(self) -> bool:
+    def has_feedback(self) -> bool:  # type: ignore[override]
         """Whether the module has sensors or loads that follow the motion."""
         return self.system.structure.has_feedback
 
     @cached_property
-    def time_dependent_loads(self) -> Mapping[str, Callable[[Any], Any]]:
+    def time_dependent_loads(self) -> Mapping[str, Callable[[Any], Any]]:  # type: ignore[override]
         """Loads that change with time, by the names of their parameters, each a function of the
         time [s]."""
         return self.system.time_dependent_loads
 
     @cached_property
-    def energy_input(self) -> Array | float:
+    def energy_input(self) -> Array | float:  # type: ignore[override]
         """Energy that changes and kicks have put in since the start [J], (T,) or a number."""
         return 0.0 if self.changes is None else self.changes.given
 
@@ -276,7 +276,7 @@ class Trajectory(Motion):
         return values
 
     @cached_property
-    def start_energy(self) -> float:
+    def start_energy(self) -> float:  # type: ignore[override]
         """Energy at the start of the run [J]: that of the first sample, less the work done until
         then where samples need not begin at the start; zero without samples."""
         first = self.isel(slice(1))

@@ -12,18 +12,25 @@ import time
 from collections.abc import Sequence
 from dataclasses import dataclass
 from types import ModuleType
-from typing import Any, Protocol
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
+from scipy.integrate import DOP853
 
 from rodgen.arrays import Array
 from rodgen.integrate.events import OFTEN, SHORT, EventDetector
-from rodgen.integrate.methods.compiled_integrator import FAILURES, FIRST, MOST, SLICE
+from rodgen.integrate.methods.compiled_integrator import (
+    FAILURES,
+    FIRST,
+    MOST,
+    compiled_name,
+    next_quota,
+)
 from rodgen.integrate.stepper import ChatterError, StepError
 from rodgen.integrate.stretches import Stretches, evaluation_bounds
 from rodgen.loading import build_fastest
-from rodgen.model.methods import COLLOCATION, EITHER, TABLEAUX
+from rodgen.model.methods import COLLOCATION, TABLEAUX
 from rodgen.native import native_run
 from rodgen.scene import Scene
 from rodgen.scene.integration import IntegrationTable
@@ -63,29 +70,6 @@ class StepSettings:
         return cls(method, step, *tolerances, stretches.ends, stretches.half_period, switches)
 
 
-class _TangentIntegrator(Protocol):
-    """Interface of integrators of a motion with its tangents."""
-
-    @property
-    def t(self) -> float: ...
-
-    @property
-    def y(self) -> Array: ...
-
-    @property
-    def tangents(self) -> Array: ...
-
-    @property
-    def tangent_rates(self) -> Array: ...
-
-    @property
-    def counts(self) -> tuple[int, int]: ...
-
-    def begin(self, end: float, low: float, high: float, longest: float) -> None: ...
-
-    def advance(self, most: int) -> bool: ...
-
-
 class Variations:
     """Integrator of a motion with its tangents (count, states).
 
@@ -112,7 +96,7 @@ class Variations:
             raise ValueError(f"tangents have shape {self._shape}: must be {allowed}")
         kind = _InC if hasattr(model, "VARIATIONS") else _InPython
         with np.errstate(all="ignore"):
-            self._machine: _TangentIntegrator = kind(
+            self._machine: _InC | _InPython = kind(
                 model, self._p, t, y, np.array(tangents), self._steps
             )
         self._window, self._goal, self._quota = (t, t), np.nan, FIRST
@@ -192,9 +176,7 @@ class Variations:
         if reached:
             self._goal = np.nan
         elif self._quota <= most:
-            took = time.perf_counter() - start
-            change = min(4.0, max(0.25, SLICE / max(took, 1e-9)))
-            self._quota = int(min(MOST, max(1, self._quota * change)))
+            self._quota = next_quota(self._quota, time.perf_counter() - start)
         if self.counts[0] - self._before >= OFTEN:
             if self.t - self._since < OFTEN * SHORT * self._stretch_length:
                 self._check_chatter()
@@ -211,11 +193,9 @@ class Variations:
 
     def _check_chatter(self) -> None:
         """Raise ChatterError where steps get next to nowhere since a law switches to and fro."""
+        way = self._stretch_length
         for number in range(len(self._watch.events)):
-            if (
-                self._watch.time_to_sliding(number, self.t, self.y, self._stretch_length)
-                <= SHORT * self._stretch_length
-            ):
+            if self._watch.time_to_sliding(number, self.t, self.y, way) <= SHORT * way:
                 raise ChatterError(self._watch.cause(number))
 
 
@@ -227,8 +207,7 @@ class _InC:
     ):
         count, states = tangents.shape
         kind = native_run.with_tangents(model.VARIATIONS, count)
-        equal = steps.step > 0 and steps.method in EITHER
-        method = f"{steps.method}_equal_steps" if equal else steps.method
+        method = compiled_name(steps.method, steps.step > 0)
         self._run = kind(method, t, y, p, steps.step, steps.rtol, steps.atol)
         first = len(self._run.state) - count * states
         self._states = states
@@ -300,8 +279,6 @@ class _InPython:
         return np.concatenate((self._model.rhs(at, row[:states], self._p), changes.ravel()))
 
     def begin(self, end: float, low: float, high: float, longest: float) -> None:
-        from scipy.integrate import DOP853
-
         self._window, states = (low, high), self._shape[1]
         # Tangents have no part in the error: in its mean they only count as numbers.
         share = np.sqrt(states / len(self._row))

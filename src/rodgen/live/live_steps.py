@@ -16,8 +16,9 @@ from rodgen.integrate.events import EventDetector
 from rodgen.integrate.methods.compiled_integrator import CompiledIntegrator
 from rodgen.integrate.methods.method_choice import make_integrator
 from rodgen.integrate.stepper import Counts, StepError
-from rodgen.integrate.stretches import CREEP, STRIDE, Windows, evaluation_bounds, with_span
+from rodgen.integrate.stretches import CREEP, STRIDE, evaluation_bounds, with_span
 from rodgen.live.grid_recorder import GridRecorder, Samples
+from rodgen.live.windows import Windows
 from rodgen.model.terms import PULL
 from rodgen.scene.integration import IntegrationTable
 from rodgen.system import System

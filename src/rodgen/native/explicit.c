@@ -1,7 +1,6 @@
 /* Explicit methods: of fixed step, and DOP853. */
 
 #include "control.h"
-#include "sums.h"
 
 #define CASE(number, value) \
     case number: \

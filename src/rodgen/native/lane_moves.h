@@ -5,7 +5,6 @@
 
 #include "control.h"
 #include "many.h"
-#include "sums.h"
 
 /* Stages of DOP853 behind the first. */
 enum { STEPS = sizeof dop853.stages / sizeof *dop853.stages };

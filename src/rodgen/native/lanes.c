@@ -3,11 +3,6 @@
 #include "control.h"
 #include "many.h"
 
-static size_t lined(size_t bytes)
-{
-    return (bytes + 63) / 64 * 64;
-}
-
 /* A memory that parts are taken from; of none, only its size is known. */
 struct store {
     char *memory;

@@ -92,13 +92,10 @@ static inline double next_sample(const struct many *m, const struct lane *lane)
 void rodgen_first_steps(struct many *m, double *mask);
 void rodgen_lanes_step(struct many *m, double *kept);
 
-/* What lies within the steps that are kept: lane_samples.c. Where a run is stopped in one, that is where it ends. */
+/* What lies within the steps that are kept: lane_dense.c. Where a run is stopped in one, that is where it ends. */
 void rodgen_inside_steps(struct many *m, const double *kept, double *next);
 
-/* States inside steps: lane_dense.c. Sums of DOP853's dense output in the steps of lengths h, for the lanes of a mask that have asked for it. */
-void rodgen_prepare_dense(struct many *m, const double *mask, const double *h);
-
-/* States at times of each within the steps that are kept, in the lanes of a mask; in the others, at their ends. */
+/* States inside steps: lane_dense.c. States at times of each within the steps that are kept, in the lanes of a mask; in the others, at their ends. */
 void rodgen_between(struct many *m, const double *mask, const double *h, const double *next, const double *t, double *out);
 
 /* Numbers that are watched: crossings.c. What they are at the start of the lanes of a mask; in which lanes some pass

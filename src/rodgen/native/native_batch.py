@@ -2,17 +2,24 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from functools import cached_property, lru_cache
-from pathlib import Path
+from functools import cached_property
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from .library import library_environment, load_library
-from .native_run import HEADERS, STATUSES, NativeFunctions, cffi_declarations, header_numbers
+from .native_run import (
+    HEADERS,
+    STATUSES,
+    NativeFunctions,
+    aligned_bytes,
+    header_numbers,
+    header_text,
+    loop_library,
+)
 
 Array = NDArray[np.float64]
 Indices = NDArray[np.int64]
@@ -24,65 +31,32 @@ STOPPED = NUMBERS["STOPPED"]
 # What is made of the samples of a number, by name.
 KEEPS = {name[5:].lower(): at for name, at in NUMBERS.items() if name.startswith("KEEP_")}
 FILES = (
-    *("lanes.c", "lane_steps.c", "lane_dense.c", "lane_samples.c", "crossings.c", "reductions.c"),
+    *("lanes.c", "lane_steps.c", "lane_dense.c", "crossings.c", "reductions.c"),
     *("lanes.h", "lane_moves.h", "many.h", *HEADERS),
 )
 ROUNDS = 64  # steps of all lanes between two looks at whether to stop
 
-# Structures of lanes.h.
-KEPT = np.dtype(
-    {
-        "names": ["reduction", "less_start", "first", "terms", "from", "to"],
-        "formats": ["i8", "i8", "u8", "u8", "f8", "f8"],
-    }
-)
-STRETCH = np.dtype([("end", "f8"), ("low", "f8"), ("high", "f8")])
-COURSE = np.dtype([("first", "u8"), ("count", "u8"), ("longest", "f8"), ("pole", "i8")])
-OUTCOME = np.dtype(
-    [
-        *(("t", "f8"), ("status", "i8"), ("steps", "i8"), ("rejected", "i8"), ("rhs", "i8")),
-        ("stopped", "i8"),
-    ]
-)
-NUMBER = np.dtype([("first", "u8"), ("terms", "u8")])
-WATCHED = np.dtype(
-    {
-        "names": [
-            *("rising", "falling", "looks", "stops", "level", "from", "to"),
-            *("first", "terms", "place", "most", "first_number", "numbers"),
-        ],
-        "formats": ["i8"] * 4 + ["f8"] * 3 + ["u8"] * 6,
-    }
-)
-JOB = np.dtype(
-    [
-        *(("method", "i8"), ("start", "f8"), ("step", "f8"), ("rtol", "f8"), ("atol", "f8")),
-        *(("budget", "i8"), ("stride", "i8"), ("creep", "f8"), ("p", "u8"), ("y", "u8")),
-        *(("p_stride", "u8"), ("y_stride", "u8"), ("samples", "u8"), ("times", "u8")),
-        *(("course_of", "u8"), ("courses", "u8"), ("stretches", "u8"), ("observes", "i8")),
-        *(("energies", "u8"), ("kept", "u8"), ("keep", "u8"), ("rows", "u8"), ("weights", "u8")),
-        *(("watched", "u8"), ("looks", "i8"), ("watch", "u8"), ("numbers", "u8")),
-        *(("crossed_width", "u8"), ("traced", "u8"), ("trace", "u8"), ("traces", "u8")),
-        *(("state", "u8"), ("values", "u8")),
-        *(("crossed", "u8"), ("outcome", "u8")),
-        *(("next", "u8"), ("end", "u8"), ("more", "i8")),
-    ]
-)
+
+def _structures(header: str) -> dict[str, np.dtype[Any]]:
+    """Types of the structures of a header, by name: their numbers, and addresses of arrays."""
+    kinds = {"long long": "i8", "size_t": "u8", "double": "f8"}
+    text = re.sub(r"/\*.*?\*/", "", header_text(header), flags=re.S)
+    found = {}
+    for structure, body in re.findall(r"struct rodgen_(\w+) \{(.*?)\};", text, flags=re.S):
+        fields = re.findall(r"(long long|size_t|double|struct \w+) ([^;()]+);", body)
+        found[structure] = np.dtype(
+            [
+                (name.strip(" *"), "u8" if "*" in name else kinds[kind])
+                for kind, names in fields
+                for name in names.split(",")
+            ]
+        )
+    return found
 
 
-def lane_library() -> tuple[Any, Any]:
-    """cffi's FFI object and the library of steps of many rods, built once a machine.
-
-    Raises BuildError where there is none to be had.
-    """
-    return _lane_library(library_environment())
-
-
-@lru_cache(maxsize=4)
-def _lane_library(_: tuple[str | None, ...]) -> tuple[Any, Any]:
-    folder = Path(__file__).parent
-    told = "".join(cffi_declarations(folder / name) for name in ("methods.h", "steps.h", "lanes.h"))
-    return load_library("lanes", folder, told, FILES)
+_TYPES = _structures("lanes.h")
+KEPT, STRETCH, COURSE = _TYPES["kept"], _TYPES["stretch"], _TYPES["course"]
+OUTCOME, NUMBER, WATCHED, JOB = (_TYPES[name] for name in ("outcome", "number", "watched", "many"))
 
 
 @dataclass(frozen=True, eq=False)
@@ -115,7 +89,7 @@ class Lanes:
     @cached_property
     def handles(self) -> tuple[Any, Any, Any]:
         """cffi's FFI object, the library of the steps, and a struct rodgen_lanes."""
-        ffi, library = lane_library()
+        ffi, library = loop_library("lanes", FILES, "methods.h", "steps.h", "lanes.h")
         system = ffi.new("struct rodgen_lanes *")
         system.states, system.base, system.added = self.states, self.base, self.added
         system.parameters = self.parameters
@@ -162,15 +136,8 @@ class RunBatch:
         self.outcome = np.zeros(rods, OUTCOME)
         self.stopped = False
         self._loops = lanes.handles
-        own = SharedArrays(
-            p=p,
-            y=y,
-            state=self.state,
-            values=self.values,
-            crossed=self.crossed,
-            traces=self.traces,
-            outcome=self.outcome,
-        )
+        names = ("state", "values", "crossed", "traces", "outcome")
+        own = SharedArrays(p=p, y=y, **{name: getattr(self, name) for name in names})
         self._shared = (*shared, own)
         known = {"next": 0, "end": 0, "more": 1, **fields}
         known["p_stride"] = p.shape[1] if len(p) > 1 else 0
@@ -185,11 +152,7 @@ class RunBatch:
         ffi, library, system = self._loops
         record = np.array([self._job], dtype=JOB)
         job = ffi.from_buffer("struct rodgen_many *", record, require_writable=True)
-        size = library.rodgen_many_size(system, job)
-        # On a cache line of its own, so that vectors do not lie across two.
-        room = np.zeros(size + 64, dtype=np.uint8)
-        memory = ffi.from_buffer(room)
-        memory += -int(ffi.cast("uintptr_t", memory)) % 64
+        memory = ffi.from_buffer(aligned_bytes(library.rodgen_many_size(system, job)))
         on, status = library.rodgen_many_on, HUNGRY
         while status not in (REACHED, REFUSED) and not self.stopped:
             if status == HUNGRY:

@@ -17,10 +17,15 @@ from .library import library_environment, load_library
 Array = NDArray[np.float64]
 
 
+def header_text(header: str) -> str:
+    """Text of a header of the step loops."""
+    return Path(__file__).with_name(header).read_text(encoding="utf-8")
+
+
 def header_numbers(header: str) -> dict[str, int]:
     """Numbers that a header defines, by name."""
-    text = Path(__file__).with_name(header).read_text(encoding="utf-8")
-    return {name: int(value) for name, value in re.findall(r"RODGEN_(\w+) = (-?\d+)", text)}
+    found = re.findall(r"RODGEN_(\w+) = (-?\d+)", header_text(header))
+    return {name: int(value) for name, value in found}
 
 
 # Methods by their number in a run, and what the functions of a run end with.
@@ -28,7 +33,7 @@ METHODS = tuple(name.lower() for name in header_numbers("methods.h") if name != 
 IMPLICIT = METHODS[METHODS.index("dop853") + 1 :]
 STATUSES = header_numbers("steps.h")
 REFUSED = STATUSES["REFUSED"]
-HEADERS = ("collocation.h", "control.h", "sums.h", "run.h", "steps.h", "methods.h", "tableaux.h")
+HEADERS = ("collocation.h", "control.h", "run.h", "steps.h", "methods.h", "tableaux.h")
 FILES = (
     "steps.c",
     "explicit.c",
@@ -44,22 +49,34 @@ def step_library() -> tuple[Any, Any]:
 
     Raises BuildError where there is none to be had.
     """
-    return _step_library(library_environment())
+    return loop_library("steps", FILES, "methods.h", "steps.h")
 
 
-@lru_cache(maxsize=4)
-def _step_library(_: tuple[str | None, ...]) -> tuple[Any, Any]:
-    folder = Path(__file__).parent
-    told = cffi_declarations(folder / "methods.h") + cffi_declarations(folder / "steps.h")
-    return load_library("steps", folder, told, FILES)
+def loop_library(stem: str, files: tuple[str, ...], *headers: str) -> tuple[Any, Any]:
+    """cffi's FFI object and the library of loops in C, whose headers declare what cffi is told of.
+    Raises BuildError."""
+    return _loop_library(stem, files, headers, library_environment())
 
 
-def cffi_declarations(header: Path) -> str:
-    """Declarations in a header for cffi, without lines of the preprocessor and for C++."""
-    text = re.sub(
-        r"^#ifdef __cplusplus$.*?^#endif$", "", header.read_text("utf-8"), flags=re.M | re.S
-    )
+@lru_cache(maxsize=8)
+def _loop_library(
+    stem: str, files: tuple[str, ...], headers: tuple[str, ...], _: tuple[str | None, ...]
+) -> tuple[Any, Any]:
+    declared = "".join(map(_cffi_declarations, headers))
+    return load_library(stem, Path(__file__).parent, declared, files)
+
+
+def _cffi_declarations(header: str) -> str:
+    """Declarations in a header, without lines of the preprocessor and for C++."""
+    text = re.sub(r"^#ifdef __cplusplus$.*?^#endif$", "", header_text(header), flags=re.M | re.S)
     return re.sub(r"^#.*$", "", text, flags=re.M)
+
+
+def aligned_bytes(size: int) -> NDArray[np.uint8]:
+    """Bytes, all zero, on a cache line of their own, so that vectors do not lie across two."""
+    room = np.zeros(size + 64, dtype=np.uint8)
+    start = -room.ctypes.data % 64
+    return room[start : start + size]
 
 
 @dataclass(frozen=True)
@@ -167,11 +184,7 @@ class NativeRun:
         self._values = np.ascontiguousarray(equations.packed(p), dtype=float).copy()
         self._p = self._ffi.from_buffer("double *", self._values)
         self._system = equations.system(self._ffi, method in IMPLICIT)
-        size = self._library.rodgen_run_size(self._system)
-        # On a cache line of its own, so that vectors do not lie across two.
-        room = np.zeros(size + 64, dtype=np.uint8)
-        start = -room.ctypes.data % 64
-        self.memory = room[start : start + size]
+        self.memory = aligned_bytes(self._library.rodgen_run_size(self._system))
         self.numbers = self._ffi.from_buffer("rodgen_run *", self.memory, require_writable=True)
         self.state = self._row(self._library.rodgen_run_state)
         self.rates = self._row(self._library.rodgen_run_rates)

@@ -24,13 +24,6 @@ void rodgen_observe(struct many *m, const double *t, const double *states)
     m->of->observe(t, states, m->p, m->q, m->observed, m->work);
 }
 
-/* What is observed of states, where a reduction asks for it. */
-static void observe(struct many *m, const double *t, const double *states)
-{
-    if (m->job->observes)
-        rodgen_observe(m, t, states);
-}
-
 void rodgen_masses_gain(struct many *m, const double *states, const double *before, const double *after, double *gain)
 {
     const double *const times[2] = {before, after};
@@ -98,7 +91,8 @@ static double result(long long reduction, const struct tally *tally, int w)
 
 void rodgen_take_samples(struct many *m, const double *mask, const double *t, const double *states)
 {
-    observe(m, t, states);
+    if (m->job->observes)
+        rodgen_observe(m, t, states);
     SIDE_BY_SIDE {
         if (!(mask[w] > 0.0))
             continue;
@@ -120,7 +114,8 @@ void rodgen_take_samples(struct many *m, const double *mask, const double *t, co
 
 void rodgen_note_start(struct many *m, const double *mask, const double *t, const double *states)
 {
-    observe(m, t, states);
+    if (m->job->observes)
+        rodgen_observe(m, t, states);
     for (size_t at = 0; at < m->job->kept; ++at)
         SIDE_BY_SIDE
             if (mask[w] > 0.0)

@@ -70,6 +70,12 @@ struct run {
 #define EACH_STATE INDEPENDENT for (ptrdiff_t i = 0; i < r->states; ++i)
 #define EACH_WORK for (ptrdiff_t i = r->states; i < r->all; ++i)
 
+/* Bytes of an array up to the next cache line. */
+static inline size_t lined(size_t bytes)
+{
+    return (bytes + 63) / 64 * 64;
+}
+
 static inline double square(double v)
 {
     return v * v;

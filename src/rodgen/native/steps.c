@@ -2,12 +2,6 @@
 
 #include "run.h"
 
-/* Bytes of an array up to the next cache line. */
-static size_t lined(size_t bytes)
-{
-    return (bytes + 63) / 64 * 64;
-}
-
 /* How many positions there are. */
 static size_t positions(const struct rodgen_system *system)
 {

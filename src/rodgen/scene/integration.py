@@ -130,19 +130,6 @@ class IntegrationTable(Table):
         return self.method in FIXED_STEP or (self.method in EITHER and self.step is not None)
 
     @property
-    def used_settings(self) -> dict[str, Any]:
-        """The settings that the method uses, by name."""
-        given = self.model_dump(exclude_none=True)
-        for name in (*self.unused_settings, *(["output_every"] if "t_eval" in given else [])):
-            given.pop(name, None)
-        return given
-
-    @property
-    def unused_settings(self) -> tuple[str, ...]:
-        """Names of tolerances, or of the step, that the method does not use."""
-        return ("rtol", "atol") if self.has_fixed_step else ("step",)
-
-    @property
     def step_tolerances(self) -> tuple[float, float]:
         """Tolerances of the estimated error of one step: relative, and absolute."""
         share = METHODS[self.method].per_step if self.method in METHODS else 1.0
@@ -200,11 +187,12 @@ def check_settings_used(
     of the names in messages. A scene itself may have both a step and tolerances, so that its method
     can be changed alone.
     """
+    useless = ("rtol", "atol") if settings.has_fixed_step else ("step",)
     why = "has a fixed step" if settings.has_fixed_step else "chooses its own steps"
     if given.get("t_eval") is not None and given.get("output_every") is not None:
         allowed = "absent: t_eval has the times of the samples"
         raise InputError(f"{prefix}output_every", given["output_every"], allowed)
-    for name in settings.unused_settings:
+    for name in useless:
         if given.get(name) is not None:
             raise InputError(f"{prefix}{name}", given[name], f"absent: {settings.method} {why}")
 

@@ -7,7 +7,7 @@ import math
 from array import array
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Annotated, Any, Self
+from typing import Annotated, Any, Self, TypeVar
 
 import numpy as np
 from pydantic import Field, ValidationError
@@ -18,6 +18,7 @@ from rodgen.scene.tables import Finite, Table
 from rodgen.scene.validation import to_input_error
 
 Value = float | int | str
+T = TypeVar("T", bound=Table)
 LINEAR, LOG = "linear", "log"
 SCALES = (LINEAR, LOG)
 MOST_VALUES = 10**7  # of one axis
@@ -55,6 +56,11 @@ class Axis:
         """First and last value, or both ends of the range."""
         return (self.values[0], self.values[-1]) if len(self.values) else (self.low, self.high)
 
+    @property
+    def extremes(self) -> tuple[Any, Any]:
+        """Smallest and largest value, or both ends of the range."""
+        return (min(self.values), max(self.values)) if len(self.values) else (self.low, self.high)
+
     def value_at(self, share: float) -> Value:
         """Return the value at a share, from 0 to below 1, of the range or of the list."""
         if self.values:
@@ -88,18 +94,21 @@ def read_axis(name: str, table: Any, drawn: bool) -> Axis:
     if isinstance(table, list):
         table = {"values": table}
     if not isinstance(table, dict):
-        allowed = "a table {bounds, count} or {values = [...]}"
-        raise InputError(field, table, allowed)
-    try:
-        read = Range.model_validate(table)
-    except ValidationError as error:
-        found = to_input_error(error, Range)
-        raise InputError(f"{field}.{found.field}", found.value, found.allowed) from None
+        raise InputError(field, table, "a table {bounds, count} or {values = [...]}")
+    read = _validate(Range, table, field)
     if read.values is not None:
         return _axis_from_list(name, field, read)
     if read.bounds is None:
         raise InputError(f"{field}.bounds", None, "two numbers, or values given instead")
     return _axis_from_range(name, field, read, drawn)
+
+
+def _validate(kind: type[T], table: dict[str, Any], field: str) -> T:
+    try:
+        return kind.model_validate(table)
+    except ValidationError as error:
+        found = to_input_error(error, kind)
+        raise InputError(f"{field}.{found.field}", found.value, found.allowed) from None
 
 
 def _axis_from_list(name: str, field: str, read: Range) -> Axis:
@@ -171,11 +180,7 @@ class Sample(Table):
         """Read a sample from its table. Raises InputError."""
         if not isinstance(table, dict):
             raise InputError("sample", table, "a table {method, count, seed}")
-        try:
-            made = cls.model_validate(table)
-        except ValidationError as error:
-            found = to_input_error(error, cls)
-            raise InputError(f"sample.{found.field}", found.value, found.allowed) from None
+        made = _validate(cls, table, "sample")
         if made.method not in SAMPLED:
             raise InputError("sample.method", made.method, f"one of {', '.join(SAMPLED)}")
         most = SAMPLED[made.method]

@@ -32,16 +32,14 @@ from distributed.comm import CommClosedError
 from rodgen.errors import InputError, StudyError
 from rodgen.native.library import DeferredInterrupt
 from rodgen.studies import task
+from rodgen.studies.specification import Texts
 from rodgen.studies.store import StudyStore
 from rodgen.studies.worker_tasks import (
     SAFE,
     SAFE_PATH,
-    Indices,
     StudyContext,
-    Texts,
     check_worker,
-    compute_block,
-    compute_piece,
+    compute_work,
     outlive_tracker,
     time_point,
     unset_safe_path,
@@ -117,13 +115,12 @@ class Cluster:
             stack.enter_context(_silence_dask())
             stack.enter_context(_hide_main_script())
             stack.enter_context(dask.config.set(SETTINGS))
-            self.client = stack.enter_context(self._connect())
+            self.client = self._connect(stack)
             self._seen = self._whole = monotonic()
-            while True:
-                self._count_workers(wait=True)
-                if self._threads:
-                    break
+            self._count_workers(wait=True)
+            while not self._threads:
                 sleep(TICK)
+                self._count_workers(wait=True)
             self._check_workers()
             self._stack = stack.pop_all()
         return self
@@ -131,23 +128,19 @@ class Cluster:
     def __exit__(self, *of: Any) -> bool | None:
         return self._stack.__exit__(*of)
 
-    @contextmanager
-    def _connect(self) -> Iterator[distributed.Client]:
-        """Connect a client to the scheduler at the address, or to a cluster started here."""
+    def _connect(self, stack: ExitStack) -> distributed.Client:
+        """Connect a client to the scheduler at the address, or to a cluster started here; both are
+        closed with the stack."""
         if self.address is not None:
             client = _connect_client(self.address)
+            stack.callback(client.close, timeout=5)
             self.said(f"dashboard: {client.dashboard_link}")
-            try:
-                yield client
-            finally:
-                client.close(timeout=5)
-            return
-        with ExitStack() as stack:
-            stack.enter_context(_private_folder())
-            with DeferredInterrupt(), _block_signals():  # one that starts cannot be closed
-                self._cluster = cluster = _start_cluster(self.workers)
-                stack.callback(cluster.close, timeout=20)
-            yield stack.enter_context(distributed.Client(cluster, timeout="60s"))
+            return client
+        stack.enter_context(_private_folder())
+        with DeferredInterrupt(), _block_signals():  # one that starts cannot be closed
+            self._cluster = cluster = _start_cluster(self.workers)
+            stack.callback(cluster.close, timeout=20)
+        return stack.enter_context(distributed.Client(cluster, timeout="60s"))
 
     @property
     def count(self) -> int:
@@ -177,24 +170,12 @@ class Cluster:
         finally:
             future.release()
 
-    def compute_blocks(
-        self, store: StudyStore, blocks: Iterator[int], texts: Texts
-    ) -> Iterator[tuple[int, int]]:
-        """Compute blocks, in whatever order they are done. Raises StudyError where the study cannot
-        go on, InputError for workers that cannot be used."""
-        yield from self._run_tasks(store, blocks, texts, compute_block)
-
-    def compute_points(
-        self, store: StudyStore, pieces: Iterator[Indices], texts: Texts
-    ) -> Iterator[tuple[Indices, task.Arrays]]:
-        """Compute points that are no blocks, without writing them. Raises as `compute_blocks`."""
-        yield from self._run_tasks(store, pieces, texts, compute_piece)
-
-    def _run_tasks(
-        self, store: StudyStore, wanted: Iterator[Any], texts: Texts, compute: Callable[..., Any]
+    def compute(
+        self, store: StudyStore, wanted: Iterator[task.Work], texts: Texts
     ) -> Iterator[Any]:
-        """Compute every block or piece in a task, apart from its worker once one was killed. Yields
-        the results."""
+        """Compute every block or list of points in a task, apart from its worker once one was
+        killed; yields what `task.compute_work` returns, in whatever order tasks are done. Raises
+        StudyError where the study cannot go on, InputError for workers that cannot be used."""
         context = StudyContext(store, texts, self._cluster is not None)
         self._register(context)
         events: queue.SimpleQueue[distributed.Future] = queue.SimpleQueue()
@@ -208,8 +189,8 @@ class Cluster:
                     if work is None:
                         break
                     given = context.name, work.what, work.deaths >= ENOUGH_DEATHS
-                    key = f"{compute.__name__}-{context.name}-{work.number}-{work.deaths}"
-                    future = self.client.submit(compute, *given, key=key, pure=False)
+                    key = f"compute-{context.name}-{work.number}-{work.deaths}"
+                    future = self.client.submit(compute_work, *given, key=key, pure=False)
                     works[future.key] = work
                     future.add_done_callback(events.put)
                 if not works:

@@ -13,7 +13,7 @@ from rodgen.dataset_result import DOUBTS, doubt_remark
 from rodgen.integrate.stepper import NO_RESULT, TOO_LONG
 from rodgen.result import Note, Result, Row
 from rodgen.studies.sampling import MARK, Layout
-from rodgen.studies.store import arrays_of, attributes_of
+from rodgen.studies.store import open_array, open_group
 
 NUMBER = re.compile(r"(?<![A-Za-z_])[-+]?\d[\d.]*(e[-+]?\d+)?")
 MOST_REASONS = 1000  # that are told apart
@@ -62,11 +62,11 @@ class PointCounts(Result):
 
 def count_points(path: str | Path) -> PointCounts:
     """Count the points of a store, block by block. Raises InputError for what is no store."""
-    arrays = arrays_of(path)
-    status, message, seconds = (arrays[name] for name in (MARK, "message", "seconds"))
-    doubts = arrays.get(DOUBTS)
+    group = open_group(Path(path))
+    status, message, seconds = (open_array(group, name) for name in (MARK, "message", "seconds"))
+    doubts = open_array(group, DOUBTS) if DOUBTS in group else None
     layout = Layout(status.shape, status.chunks)
-    found = PointCounts(name=str(attributes_of(path).get("name", "")), points=status.size)
+    found = PointCounts(name=str(group.attrs.get("name", "")), points=status.size)
     for block in range(layout.count):
         box = layout.slices(block)
         there = np.asarray(status[box])
@@ -80,14 +80,11 @@ def count_points(path: str | Path) -> PointCounts:
             found.too_long += late
             found.failed += int(bad.sum()) - late
             for why in np.asarray(message[box])[bad].tolist():
-                _count_reason(found.reasons, without_numbers(why))
+                text, known = without_numbers(why), found.reasons
+                known[text if text in known or len(known) < MOST_REASONS else "other"] += 1
     return found
 
 
 def without_numbers(message: str) -> str:
     """Replace the numbers in a message, which differ from point to point, by #."""
     return NUMBER.sub("#", message)
-
-
-def _count_reason(reasons: Counter[str], why: str) -> None:
-    reasons[why if why in reasons or len(reasons) < MOST_REASONS else "other"] += 1

@@ -5,11 +5,11 @@ from __future__ import annotations
 import math
 import random
 import tempfile
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from contextlib import ExitStack
 from importlib.util import find_spec
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Protocol
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -17,16 +17,16 @@ from rodgen.errors import InputError, StudyError, install_command
 from rodgen.integrate.stepper import NO_RESULT
 from rodgen.progress import announce, format_duration, report_stages_to, show_count, show_work
 from rodgen.scene import Scene
-from rodgen.studies.adaptive import Rounds
-from rodgen.studies.adaptive import refinement_rounds as rounds_of
-from rodgen.studies.specification import Kept
+from rodgen.studies.adaptive import Rounds, refinement_rounds
+from rodgen.studies.specification import Kept, Texts
 from rodgen.studies.study import MANY, Study
 
 if TYPE_CHECKING:
     import xarray as xr
 
+    from rodgen.studies.cluster import Cluster
+    from rodgen.studies.local import LocalWorker
     from rodgen.studies.store import StudyStore
-    from rodgen.studies.task import Arrays
 
 PIECE = 0.2  # seconds of work of points that are refined: a round waits for its last
 BLOCK = 1.0  # seconds of work of a block: a task costs milliseconds
@@ -36,34 +36,6 @@ MOST_POINTS = 10**5  # of a block
 MOST_BYTES = 32 * 10**6  # of what a block keeps
 MOST_WORKERS = 1024
 MISSING = f"studies need more: {install_command('study')}"
-
-Texts = dict[tuple[str, ...], str]
-
-
-class Workers(Protocol):
-    """Interface of workers that compute blocks."""
-
-    @property
-    def count(self) -> int:
-        """Number of blocks that are computed at once."""
-        ...
-
-    def time_point(self, study: Study) -> tuple[float, Texts]:
-        """Return the time of a point [s], and generated texts by their entries in the cache."""
-        ...
-
-    def compute_blocks(
-        self, store: StudyStore, blocks: Iterator[int], texts: Texts
-    ) -> Iterator[tuple[int, int]]:
-        """Compute blocks, in whatever order they are done; yields each, and how many of its points
-        failed."""
-        ...
-
-    def compute_points(
-        self, store: StudyStore, pieces: Iterator[list[int]], texts: Texts
-    ) -> Iterator[tuple[list[int], Arrays]]:
-        """Compute points that are no blocks, without writing them."""
-        ...
 
 
 def study(
@@ -156,12 +128,13 @@ def study(
     >>> data["stable"].values.tolist()
     [1, 0]
     """
-    given = {"analysis": analysis, "keep": keep, "sample": sample, "options": options}
-    made = (
-        scene
-        if isinstance(scene, Study)
-        else _make_study(scene, vary, **given, time_limit=time_limit)
-    )
+    if isinstance(scene, str | Path):
+        scene = Scene.from_toml(scene)
+    if not isinstance(scene, Study):
+        if vary is None:
+            raise InputError("vary", None, "values by keys of the scene")
+        given: dict[str, Any] = {"sample": sample, "options": options, "time_limit": time_limit}
+        scene = Study.of(scene, vary, analysis=analysis, keep=keep, **given)
     temporary = out is None
     with ExitStack() as stack:
         if progress is False:
@@ -169,7 +142,7 @@ def study(
         if out is None:
             out = Path(stack.enter_context(tempfile.TemporaryDirectory()), "study.zarr")
         run_study(
-            *(made, Path(out)),
+            *(scene, Path(out)),
             workers=workers,
             scheduler=scheduler,
             resume=resume,
@@ -204,7 +177,7 @@ def run_study(
 
     path = path.absolute()
     _check_arguments(study, path, workers, scheduler, resume, yes)
-    rounds = None if adaptive is None else rounds_of(study, adaptive, by)
+    rounds = None if adaptive is None else refinement_rounds(study, adaptive, by)
     first = next(rounds) if rounds is not None else []
     how = "" if adaptive is None else f"{adaptive!r} {by or ''}"
     with ExitStack() as stack:
@@ -215,14 +188,13 @@ def run_study(
             if rounds is None and there.done_blocks().all():
                 return
         pool = _choose_workers(stack, study, workers, scheduler, said)
-        seconds, texts = PIECE, Texts()
+        seconds, texts = PIECE, dict[tuple[str, ...], str]()
         if there is None or rounds is not None:
             with show_work(f"{study.name}: timing a point"):
                 seconds, texts = pool.time_point(study)
         size = block_size(study, seconds, pool.count)
-        announce(
-            _describe_plan(study, seconds if there is None else None, pool.count, adaptive), said
-        )
+        plan = _describe_plan(study, seconds if there is None else None, pool.count, adaptive)
+        announce(plan, said)
         store = there or StudyStore.create(path, study, size, how)
         if rounds is None:
             _compute_blocks(pool, store, texts, said)
@@ -254,23 +226,11 @@ def block_size(study: Study, seconds: float, workers: int) -> int:
     """Choose the number of points of a block; seconds: processor time of a point."""
     from rodgen.studies.kept_quantities import variables
 
-    each = sum(_item_size(one.dtype) * max(1, math.prod(one.shape)) for one in variables(study))
+    sizes = ((64 if one.dtype.startswith("U") else 8, one.shape) for one in variables(study))
+    each = sum(size * max(1, math.prod(shape)) for size, shape in sizes)
     shared = -(-study.count // (SHARES * workers))
     wanted = int(max(BLOCK, workers / TASKS) / max(seconds, 1e-9))
     return max(1, min(wanted, shared, MOST_POINTS, MOST_BYTES // each))
-
-
-def _item_size(dtype: str) -> int:
-    return 64 if dtype.startswith("U") else 8
-
-
-def _make_study(scene: Any, vary: Any, **given: Any) -> Study:
-    """Make a study from the arguments of `study`."""
-    if isinstance(scene, str | Path):
-        scene = Scene.from_toml(scene)
-    if vary is None:
-        raise InputError("vary", None, "values by keys of the scene")
-    return Study.of(scene, vary, **given)
 
 
 def _check_arguments(
@@ -296,7 +256,7 @@ def _choose_workers(
     workers: int | None,
     scheduler: str | None,
     said: Callable[[str], None],
-) -> Workers:
+) -> LocalWorker | Cluster:
     if scheduler is None and workers in (None, 1):
         from rodgen.studies.local import LocalWorker
 
@@ -313,7 +273,7 @@ def _choose_workers(
 
 
 def _compute_blocks(
-    pool: Workers, store: StudyStore, texts: Texts, said: Callable[[str], None]
+    pool: LocalWorker | Cluster, store: StudyStore, texts: Texts, said: Callable[[str], None]
 ) -> None:
     """Compute all blocks that are not marked. Raises StudyError where some are left."""
     done = store.done_blocks()
@@ -324,7 +284,7 @@ def _compute_blocks(
     left = (block for block in order if not done[block] and not store.is_done(block))
     before = sum(layout.size(int(block)) for block in done.nonzero()[0])
     with show_count(study.name, study.count, before, said) as count:
-        for block, failed in pool.compute_blocks(store, left, texts):
+        for block, failed in pool.compute(store, left, texts):
             count(layout.size(block), failed)
     missing = int((~store.done_blocks()).sum())
     if missing:
@@ -332,7 +292,7 @@ def _compute_blocks(
 
 
 def _refine(
-    pool: Workers,
+    pool: LocalWorker | Cluster,
     store: StudyStore,
     rounds: Rounds,
     wanted: list[int],
@@ -351,7 +311,7 @@ def _refine(
             new = [index for index in wanted if not known[index]]
             pieces = (new[at : at + size] for at in range(0, len(new), size))
             made = []
-            for indices, arrays in pool.compute_points(store, pieces, texts):
+            for indices, arrays in pool.compute(store, pieces, texts):
                 made.append((indices, arrays))
                 count(len(indices), int(np.isin(arrays[MARK], NO_RESULT).sum()))
             if made:

@@ -17,7 +17,7 @@ from typing import Any
 
 from rodgen.errors import InputError, did_you_mean
 from rodgen.integrate.module_facts import ModuleFacts, facts_of
-from rodgen.integrate.reductions import REDUCTIONS, Numbers, parse
+from rodgen.integrate.reductions import REDUCTIONS, Numbers, parse, patterns_of
 from rodgen.loading import build_fastest
 from rodgen.model.quantities import ADDED, LOADS, QUANTITIES, parse_number, watchable_names
 from rodgen.model.terms import PARAMETERS
@@ -87,25 +87,24 @@ def _run_quantities(study: Specification, functions: tuple[int, ...]) -> tuple[R
     if not study.keep:
         raise InputError("compute.keep", [], "what is kept of every run, such as last(tip_x)")
     scene = study.scene_at(reference_point(study))
-    equations = facts_of(build_fastest(scene.structure, PARTS))
+    facts = facts_of(build_fastest(scene.structure, PARTS))
     made: list[RunMeasure] = []
     for at, text in enumerate(study.keep):
-        made.append(_parse_quantity(f"compute.keep[{at}]", text, scene, equations))
+        made.append(_parse_quantity(f"compute.keep[{at}]", text, scene, facts))
     return tuple(_number_sections(made))
 
 
-def _parse_quantity(place: str, text: Any, scene: Scene, equations: ModuleFacts) -> RunMeasure:
+def _parse_quantity(place: str, text: Any, scene: Scene, facts: ModuleFacts) -> RunMeasure:
     """Parse one quantity that is kept of a run."""
     if callable(text):
         return UserFunction(getattr(text, "__name__", place).strip("<>"), function=text)
     if not isinstance(text, str):
         raise InputError(place, text, "text, or in Python a function of a Solution")
-    numbers = equations.numbers
+    numbers = facts.numbers
     reduction = parse(text)
     if reduction is not None:
-        _check_number(place, text, reduction.number, numbers)
-        seconds = reduction.kind == "time_of_max"
-        units = "s" if seconds else unit_of(reduction.number, numbers)
+        units = _unit_of(place, text, reduction.number, numbers)
+        units = "s" if reduction.kind == "time_of_max" else units
         return SampleReduction(text, reduction.number, units, reduction=reduction)
     kind, arguments, named = _parse_call(place, text, _OF_A_RUN)
     number = arguments[0] if len(arguments) == 1 else ""
@@ -117,10 +116,8 @@ def _parse_quantity(place: str, text: Any, scene: Scene, equations: ModuleFacts)
             raise InputError(place, text, allowed)
         return EventCount(text, event=number, **span)
     if kind == "peak" and number and not named:
-        _check_number(place, text, number, numbers)
-        return SpectralPeak(text, number, unit_of(number, numbers), **span)
+        return SpectralPeak(text, number, _unit_of(place, text, number, numbers), **span)
     if kind == "section" and number:
-        _check_number(place, text, number, numbers)
         return _parse_section(place, text, number, named, span, scene, numbers)
     raise InputError(place, text, _OF_A_RUN)
 
@@ -135,6 +132,7 @@ def _parse_section(
     numbers: Numbers,
 ) -> CrossingSection:
     """Make a section from its arguments."""
+    units = _unit_of(place, text, number, numbers)
     if number in SUMMED or numbers.places[number][0].startswith("work_"):
         allowed = "a section of what the states tell: work and balance are known at samples alone"
         raise InputError(place, text, allowed)
@@ -152,7 +150,7 @@ def _parse_section(
     points = _parse_number(place, text, most)
     if not (points.is_integer() and 0 < points <= LIMIT):
         raise InputError(place, text, f"with max_points= a whole number from 1 to {LIMIT}")
-    value, units = _parse_number(place, text, level), unit_of(number, numbers)
+    value = _parse_number(place, text, level)
     crossed: dict[str, Any] = {"where": where, "level": value, "direction": direction}
     return CrossingSection(text, number, units, **span, **crossed, max_points=int(points))
 
@@ -212,27 +210,20 @@ def _parse_number(place: str, text: str, value: str) -> float:
     return number
 
 
-def _check_number(place: str, text: str, number: str, numbers: Numbers) -> None:
-    if number not in numbers.places:
-        shown = dict.fromkeys(re.sub(r"(?<=_)\d+", "{}", name) for name in numbers.places)
-        raise InputError(
-            place,
-            text,
-            f"{_OF_A_RUN}; numbers are {', '.join(shown)}{did_you_mean(number, numbers.places)}",
-        )
-
-
-def check_numbers(system: System, numbers: Iterable[str], equations: ModuleFacts) -> None:
+def check_numbers(system: System, wanted: Iterable[RunMeasure], facts: ModuleFacts) -> None:
     """Raise InputError for a number that this rod does not have, though another rod of the study
     has it."""
-    for number in numbers:
-        if number not in equations.numbers.places:
+    for number in (one.number for one in wanted if one.number):
+        if number not in facts.numbers.places:
             allowed = f"a number of the rod: one of {system.structure.links} links has no {number}"
             raise InputError("compute.keep", number, allowed)
 
 
-def unit_of(number: str, numbers: Numbers) -> str:
-    """Return the unit of a number of a quantity, by its name."""
+def _unit_of(place: str, text: str, number: str, numbers: Numbers) -> str:
+    """Return the unit of a number of a quantity. Raises InputError where there is none."""
+    if number not in numbers.places:
+        known, hint = patterns_of(numbers.places), did_you_mean(number, numbers.places)
+        raise InputError(place, text, f"{_OF_A_RUN}; numbers are {known}{hint}")
     name, _ = numbers.places[number]
     if name in PARAMETERS:
         return PARAMETERS[name].unit

@@ -27,13 +27,13 @@ from typing import TYPE_CHECKING, Any, Self
 from rodgen.errors import InputError, StudyError
 from rodgen.progress import report_stages_to
 from rodgen.studies import task
+from rodgen.studies.specification import Texts
 from rodgen.studies.store import StudyStore
 from rodgen.studies.task import Arrays
 
 if TYPE_CHECKING:
     from rodgen.studies.study import Study
 
-Texts = dict[tuple[str, ...], str]
 # Other systems fork no process that has threads, as one with a dashboard or a notebook has.
 FORKS = sys.platform == "linux"
 PAYS = 15.0  # seconds of a study from which on starting workers, 1.5 s each, is worth it
@@ -79,19 +79,12 @@ class LocalWorker:
         self._each = UNKNOWN if found is None else float(found)
         return self._each
 
-    def compute_blocks(
-        self, store: StudyStore, blocks: Iterator[int], texts: Texts
-    ) -> Iterator[tuple[int, int]]:
-        """Compute blocks in their order."""
-        for block in blocks:
-            yield task.compute_block(store, block, self._compute)
-
-    def compute_points(
-        self, store: StudyStore, pieces: Iterator[list[int]], texts: Texts
-    ) -> Iterator[tuple[list[int], Arrays]]:
-        """Compute points that are no blocks, without writing them."""
-        for piece in pieces:
-            yield piece, self._compute(store.study, piece)
+    def compute(
+        self, store: StudyStore, wanted: Iterator[task.Work], texts: Texts
+    ) -> Iterator[Any]:
+        """Compute blocks or points in their order; yields what `task.compute_work` returns."""
+        for work in wanted:
+            yield task.compute_work(store, work, self._compute)
 
     def _compute(self, study: Study, indices: Sequence[int]) -> Arrays:
         """Compute points; where one of them kills the process, each by itself."""
@@ -137,7 +130,8 @@ class LocalWorker:
 
     def _end_child(self) -> None:
         if self._child is not None:
-            self._child.kill()
+            self._child.process.kill()
+            self._child.wait()
             self._child = None
 
 
@@ -183,7 +177,7 @@ class _Fork:
         self.study = study
         context = multiprocessing.get_context("fork")
         self._pipe, other = context.Pipe()
-        self._process = context.Process(
+        self.process = context.Process(
             target=_serve_fork, args=(study, other, self._pipe), daemon=True
         )
         global _starting
@@ -192,7 +186,7 @@ class _Fork:
             # It computes, and asks for nothing that other threads of this process may hold.
             warnings.simplefilter("ignore", DeprecationWarning)
             try:
-                self._process.start()
+                self.process.start()
             finally:
                 _starting = False
         other.close()
@@ -208,14 +202,9 @@ class _Fork:
 
     def wait(self) -> int:
         """Wait for its end, and return its exit status: below zero, the number of a signal."""
-        self._process.join()
+        self.process.join()
         self._pipe.close()
-        return self._process.exitcode or 0
-
-    def kill(self) -> None:
-        """Kill it, whatever it computes."""
-        self._process.kill()
-        self.wait()
+        return self.process.exitcode or 0
 
 
 class _Program:
@@ -229,7 +218,7 @@ class _Program:
         # -P: the folder in which it is started may be somebody else's; nothing is imported from it.
         command = [sys.executable, "-P", "-m", "rodgen.studies.local"]
         pipe = subprocess.PIPE
-        self._process = subprocess.Popen(command, stdin=pipe, stdout=pipe, env=environment)
+        self.process = subprocess.Popen(command, stdin=pipe, stdout=pipe, env=environment)
         try:
             self.ask(cloudpickle.dumps(study))
         except DEAD:
@@ -238,23 +227,18 @@ class _Program:
 
     def ask(self, what: Any, patience: float | None = None) -> tuple[str, Any]:
         """Return its answer, however long it takes. Raises what is in DEAD where it dies."""
-        assert self._process.stdin is not None
-        assert self._process.stdout is not None
-        pickle.dump(what, self._process.stdin)
-        self._process.stdin.flush()
-        answer: tuple[str, Any] = pickle.load(self._process.stdout)
+        assert self.process.stdin is not None
+        assert self.process.stdout is not None
+        pickle.dump(what, self.process.stdin)
+        self.process.stdin.flush()
+        answer: tuple[str, Any] = pickle.load(self.process.stdout)
         return answer
 
     def wait(self) -> int:
         """Wait for its end, and return its exit status: below zero, the number of a signal."""
-        with suppress(OSError), self._process:  # its pipes are closed; of what was not sent
+        with suppress(OSError), self.process:  # its pipes are closed; of what was not sent
             pass
-        return self._process.returncode
-
-    def kill(self) -> None:
-        """Kill it, whatever it computes."""
-        self._process.kill()
-        self.wait()
+        return self.process.returncode
 
 
 def _serve_fork(study: Study, pipe: Connection, other: Connection) -> None:

@@ -46,11 +46,6 @@ class RunMeasure:
     end: float = EVERY[1]
 
     @property
-    def numbers(self) -> tuple[str, ...]:
-        """Names of the numbers it is computed from."""
-        return (self.number,) if self.number else ()
-
-    @property
     def variables(self) -> tuple[StudyVariable, ...]:
         """The variables that it fills."""
         return (StudyVariable(self.text, units=self.units),)
@@ -87,12 +82,12 @@ class EventCount(RunMeasure):
         found = [one for one in solution.events if one.name == self.event]
         return {self.text: sum(self.start <= one.t <= self.end for one in found)}
 
-    def crossing(self, event: EventTable, equations: ModuleFacts) -> Crossing:
+    def crossing(self, event: EventTable, facts: ModuleFacts) -> Crossing:
         """Return the crossing that runs side by side watch for."""
         return replace(event_crossing(event), start=self.start, end=self.end)
 
     def compute_many(
-        self, crossed: CrossingResults, equations: ModuleFacts, p: Array
+        self, crossed: CrossingResults, facts: ModuleFacts, p: Array
     ) -> dict[str, Any]:
         """Compute it for many runs, with parameters p (runs, parameters)."""
         return {self.text: crossed.counts}
@@ -138,29 +133,26 @@ class CrossingSection(RunMeasure):
             made[f"{self.text}.t"][: len(met)] = t
         return made
 
-    def crossing(self, event: EventTable, equations: ModuleFacts) -> Crossing:
+    def crossing(self, event: EventTable, facts: ModuleFacts) -> Crossing:
         """Return the crossing to watch for, which keeps the number, or the states if C lacks it."""
-        alone = equations.can_observe(self.number)
-        numbers = (self.number,) if alone else tuple(equations.model.STATE)
+        alone = facts.can_observe(self.number)
+        numbers = (self.number,) if alone else tuple(facts.model.STATE)
         counted = replace(event_crossing(event), start=self.start, end=self.end)
         return replace(counted, kept=numbers, most=self.max_points)
 
     def compute_many(
-        self, crossed: CrossingResults, equations: ModuleFacts, p: Array
+        self, crossed: CrossingResults, facts: ModuleFacts, p: Array
     ) -> dict[str, Any]:
         """Compute it for many runs, with parameters p (runs, parameters)."""
-        if equations.can_observe(self.number):
+        if facts.can_observe(self.number):
             return {self.text: crossed.values[..., 0], f"{self.text}.t": crossed.t}
         made = np.full(crossed.t.shape, math.nan)
         for run in np.flatnonzero(crossed.counts):
             met = slice(min(int(crossed.counts[run]), self.max_points))
-            states, t, timed = (
-                crossed.values[run, met],
-                crossed.t[run, met],
-                equations.time_dependent_loads(p[run]),
-            )
-            there = MotionSlice(equations.model, p[run], states, t, timed=timed)
-            made[run, met] = equations.numbers.values(there, self.number)
+            states, t = crossed.values[run, met], crossed.t[run, met]
+            timed = facts.time_dependent_loads(p[run])
+            there = MotionSlice(facts.model, p[run], states, t, timed=timed)
+            made[run, met] = facts.numbers.values(there, self.number)
         return {self.text: made, f"{self.text}.t": crossed.t}
 
 

@@ -10,6 +10,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import Any
 
 import numpy as np
@@ -102,8 +103,7 @@ class PointArrays:
 
     def time_out(self, at: int, seconds: float | None) -> None:
         """Record that a point took longer than so many seconds."""
-        self.arrays["status"][at] = TOO_LONG
-        self.arrays["message"][at] = f"took longer than {seconds:g} s"
+        self.fail(at, f"took longer than {seconds:g} s", TOO_LONG)
 
     def fail(self, at: int, message: str, status: str = FAILED) -> None:
         """Record that a point failed, and why."""
@@ -144,16 +144,14 @@ class PointBatch:
         return p, y, taken
 
 
+@lru_cache(maxsize=8)
 def slot_names(study: Specification) -> tuple[str, ...]:
     """Return the names of varied numbers that only stand in p or y0, judged by one point. Raises
     InputError where the scene refuses all points that are tried."""
     point = reference_point(study)
     system = System(study.scene_at(point))
-    return tuple(
-        name
-        for name, value in point.items()
-        if is_number(value) and _slot(study, system, name) is not None
-    )
+    numbers = (name for name, value in point.items() if is_number(value))
+    return tuple(name for name in numbers if _slot(study, system, name) is not None)
 
 
 def _slot(study: Specification, system: System, name: str) -> ParameterSlot | None:

@@ -20,10 +20,9 @@ from rodgen.integrate.methods.method_choice import choose, choose_from
 from rodgen.integrate.module_facts import ModuleFacts, facts_of
 from rodgen.integrate.reductions import Crossing
 from rodgen.integrate.simulate import simulate
-from rodgen.integrate.simulate_many import can_run_in_lanes, simulate_rods
+from rodgen.integrate.simulate_many import simulate_rods
 from rodgen.integrate.solution import RunError
 from rodgen.integrate.stepper import FAILED
-from rodgen.studies.axis import Axis
 from rodgen.studies.kept_quantities import PARTS, check_numbers, run_quantities
 from rodgen.studies.measures import (
     CrossingSection,
@@ -49,10 +48,10 @@ FEW = 3  # points of a group, up to which making their scenes is faster than a b
 
 def compute(study: Study, points: list[Point], made: PointArrays) -> None:
     """Run every point, and fill in the kept quantities."""
-    if not any(isinstance(one, UserFunction) for one in run_quantities(study)):
-        _run_together(study, points, made)
-    else:
+    if any(isinstance(one, UserFunction) for one in run_quantities(study)):
         _run_one_by_one(study, points, range(len(points)), made)
+    else:
+        _run_together(study, points, made)
 
 
 # Together -----------------------------------------------------------------------------------------
@@ -74,7 +73,7 @@ class _Batch:
 
 
 def _run_together(study: Study, points: list[Point], made: PointArrays) -> None:
-    names = _slot_names(study)
+    names = slot_names(study)
     others = tuple(name for axis in study.axes if (name := axis.name) not in names)
     batches: dict[Any, _Batch] = {}
 
@@ -117,13 +116,13 @@ def _run_batch(study: Study, batch: _Batch, points: list[Point], made: PointArra
     wanted = run_quantities(study)
     system = _with_section_events(batch.system, wanted)
     model = system.model(parts=PARTS)
-    equations, settings = facts_of(model), system.settings.used_settings
-    check_numbers(system, (number for one in wanted for number in one.numbers), equations)
+    facts, settings = facts_of(model), system.settings
+    check_numbers(system, wanted, facts)
     texts = [one.text for one in wanted if isinstance(one, SampleReduction)]
-    crossings, crossing = _crossings(system, wanted, equations)
+    crossings, crossing = _crossings(system, wanted, facts)
     peaks = [one for one in wanted if isinstance(one, SpectralPeak)]
-    more: dict[str, Any] = {"crossings": crossings, "traced": [one.number for one in peaks]}
-    if (crossings or peaks) and not can_run_in_lanes(model, texts, **more, **settings):
+    more = tuple(crossings), tuple(one.number for one in peaks)
+    if any(more) and facts.plan(settings, facts.parse_reductions(texts), *more) is None:
         _run_one_by_one(study, points, batch.points, made)
         return
     p, y = np.concatenate(batch.p), np.concatenate(batch.y)
@@ -133,13 +132,13 @@ def _run_batch(study: Study, batch: _Batch, points: list[Point], made: PointArra
         limit = study.time_limit and study.time_limit * len(few)
         try:
             with time_limit(limit, system):
-                found = simulate_rods(model, p[few], y[few], keep=texts, **more, **settings)
+                found = simulate_rods(model, p[few], y[few], settings, texts, *more)
         except TimeLimitExceeded:  # some of them, or one
             _run_one_by_one(study, points, at.tolist(), made)
             continue
         values: dict[str, Any] = {text: found[text] for text in texts}
         for one, number in crossing:
-            values |= one.compute_many(found.crossed[number], equations, p[few])
+            values |= one.compute_many(found.crossed[number], facts, p[few])
         for number, peak in enumerate(peaks):
             values |= peak.compute_many(found, number)
         doubts = count_doubts(batch.system, model, p[few], y[few])
@@ -149,7 +148,7 @@ def _run_batch(study: Study, batch: _Batch, points: list[Point], made: PointArra
 
 
 def _crossings(
-    system: System, wanted: Sequence[RunMeasure], equations: ModuleFacts
+    system: System, wanted: Sequence[RunMeasure], facts: ModuleFacts
 ) -> tuple[list[Crossing], list[tuple[EventCount | CrossingSection, int]]]:
     """Return the crossings that runs watch for, and the index of that of each kept quantity."""
     found = [
@@ -162,20 +161,15 @@ def _crossings(
     for one in wanted:
         if isinstance(one, EventCount | CrossingSection):
             made.append((one, len(found)))
-            found.append(one.crossing(events[one.event], equations))
+            found.append(one.crossing(events[one.event], facts))
     return found, made
-
-
-@lru_cache(maxsize=8)
-def _slot_names(study: Study) -> tuple[str, ...]:
-    return slot_names(study)
 
 
 @lru_cache(maxsize=512)
 def _shared_batch(study: Study, shared: tuple[tuple[str, Any], ...]) -> PointBatch | None:
     """Return the batch of points that share these values, None where there can be none."""
     try:
-        return PointBatch.of(study, reference_point(study) | dict(shared), _slot_names(study))
+        return PointBatch.of(study, reference_point(study) | dict(shared), slot_names(study))
     except InputError:
         return None
 
@@ -186,8 +180,8 @@ def _common_method(study: Study, shared: tuple[tuple[str, Any], ...]) -> str:
     corners of the other varied numbers, "" where it chooses several. It depends on the study alone,
     and not on which of its points are computed."""
     given = reference_point(study) | dict(shared)
-    names = [name for name in _slot_names(study) if name not in dict(shared)]
-    ends = {axis.name: _bounds(axis) for axis in study.axes if axis.name in names}
+    names = [name for name in slot_names(study) if name not in dict(shared)]
+    ends = {axis.name: axis.extremes for axis in study.axes if axis.name in names}
     if len(ends) <= MOST_CORNERED:
         tried = [dict(zip(ends, values, strict=True)) for values in product(*ends.values())]
     else:
@@ -199,11 +193,6 @@ def _common_method(study: Study, shared: tuple[tuple[str, Any], ...]) -> str:
         if len(found) > 1:
             return ""
     return found.pop() if found else ""
-
-
-def _bounds(axis: Axis) -> tuple[Any, Any]:
-    """Return the smallest and the largest value of an axis."""
-    return (min(axis.values), max(axis.values)) if len(axis.values) else (axis.low, axis.high)
 
 
 def _group_by_method(
@@ -228,7 +217,7 @@ def _run_one_by_one(
     study: Study, points: list[Point], places: Iterable[int], made: PointArrays
 ) -> None:
     """Run some of the points by `simulate`; places: their positions."""
-    names, wanted = _slot_names(study), run_quantities(study)
+    names, wanted = slot_names(study), run_quantities(study)
     others = [axis.name for axis in study.axes if axis.name not in names]
     for at in places:
         start, point = time.process_time(), points[at]
@@ -249,13 +238,13 @@ def _run_one_by_one(
 def _run_point(system: System, wanted: Sequence[RunMeasure], made: PointArrays, at: int) -> None:
     """Fill in the kept quantities of one run. Raises InputError, RunError."""
     model = system.model(parts=PARTS)
-    equations = facts_of(model)
-    check_numbers(system, (number for one in wanted for number in one.numbers), equations)
+    facts = facts_of(model)
+    check_numbers(system, wanted, facts)
     solution = simulate(system, model=model, progress=False)
     values: dict[str, Any] = {}
     for one in wanted:
         try:
-            values |= one.compute(solution, equations.numbers)
+            values |= one.compute(solution, facts.numbers)
         except InputError:
             raise
         except Exception as error:  # of a function of the user's own, which may raise anything

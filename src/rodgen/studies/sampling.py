@@ -108,27 +108,20 @@ def _grid_point(study: Specification, index: int) -> Point:
 def _draw_shares(sample: Sample, dimensions: int, indices: Sequence[int]) -> NDArray[np.float64]:
     """Draw numbers from 0 to below 1, (points, dimensions)."""
     if sample.method == RANDOM:
-        rows = [_random_row(sample.seed, index, dimensions) for index in indices]
+        seeds = (np.random.SeedSequence(sample.seed, spawn_key=(index,)) for index in indices)
+        rows = [np.random.default_rng(seed).random(dimensions) for seed in seeds]
         return np.array(rows).reshape(-1, dimensions)
     if sample.method == LATIN:
         return _hypercube(sample.seed, sample.count, dimensions)[list(indices)]
     return _sobol_rows(_sobol_sequence(sample.seed, dimensions), indices)
 
 
-def _random_row(seed: int, index: int, dimensions: int) -> NDArray[np.float64]:
-    return np.random.default_rng(np.random.SeedSequence(seed, spawn_key=(index,))).random(
-        dimensions
-    )
-
-
 @lru_cache(maxsize=MOST_KEPT)
 def _hypercube(seed: int, count: int, dimensions: int) -> NDArray[np.float64]:
     from scipy.stats import qmc
 
-    made: NDArray[np.float64] = qmc.LatinHypercube(
-        dimensions, seed=np.random.default_rng(seed)
-    ).random(count)
-    return made
+    drawn = qmc.LatinHypercube(dimensions, seed=np.random.default_rng(seed))
+    return np.asarray(drawn.random(count))
 
 
 @lru_cache(maxsize=MOST_KEPT)

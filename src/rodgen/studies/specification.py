@@ -17,6 +17,7 @@ from rodgen.studies.axis import EXTENDABLE, Axis, Sample, Value
 from rodgen.system import System
 
 Kept = str | Callable[..., Any]
+Texts = dict[tuple[str, ...], str]  # generated texts by their entries in the cache
 
 
 @dataclass(frozen=True, eq=False, repr=False)

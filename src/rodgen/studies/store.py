@@ -7,6 +7,7 @@ not done. Zarr writes every chunk whole or not at all, and leaves out none.
 from __future__ import annotations
 
 import json
+import math
 import os
 import re
 import tempfile
@@ -84,17 +85,17 @@ class StudyStore:
     def of(cls, path: Path, study: Study, adaptive: str = "") -> StudyStore:
         """Open the store at a path, extended to the points of the study where it has fewer. Raises
         InputError for that of another study or version; nothing is changed then."""
-        group = _open_group(path)
+        group = open_group(path)
         _check_same(path, dict(group.attrs), study, adaptive)
-        arrays = {name: _open_array(group, name) for name in _array_names(study)}
+        arrays = {name: open_array(group, name) for name in _array_names(study)}
         mark = arrays[MARK]
         if mark.shape != study.shape:
             if study.count < mark.shape[0]:
                 allowed = f"at least {mark.shape[0]}, which the store {path} has"
                 raise InputError("sample.count", study.count, allowed)
             _extend(path, arrays, study.count, mark.shape[0])
-            group = _open_group(path)
-            arrays = {name: _open_array(group, name) for name in arrays}
+            group = open_group(path)
+            arrays = {name: open_array(group, name) for name in arrays}
         return cls(path, study, Layout(study.shape, mark.chunks), arrays, str(group.attrs["token"]))
 
     def is_done(self, block: int) -> bool:
@@ -132,11 +133,10 @@ class StudyStore:
         for folder, _, files in os.walk(root):
             outer = Path(folder).relative_to(root).parts
             if len(outer) == depth - 1:
-                within = [int(name) for name in files if NUMBERED.fullmatch(name)]
-                outer_at = tuple(map(int, outer))
-                for at in within:
-                    if all(a < n for a, n in zip((*outer_at, at), marked.shape, strict=True)):
-                        marked[(*outer_at, at)] = self._is_whole((*outer_at, at))
+                for name in filter(NUMBERED.fullmatch, files):
+                    place = tuple(map(int, (*outer, name)))
+                    if all(at < n for at, n in zip(place, marked.shape, strict=True)):
+                        marked[place] = self._is_whole(place)
         return marked.ravel()
 
     def write_block(
@@ -185,9 +185,7 @@ def read_store(path: str | Path) -> xr.Dataset:
 
     register_accessor()
     path = Path(path)
-    group = _open_group(path)
-    if "digest" not in group.attrs:
-        raise InputError("store", str(path), "the store of a study")
+    group = open_group(path)
     data = xr.open_zarr(group.store, consolidated=False, chunks=None)
     for name in (SUMS, OWN):
         data.attrs.pop(name, None)
@@ -204,21 +202,9 @@ def _plain_text(data: xr.Dataset) -> xr.Dataset:
     )
 
 
-def arrays_of(path: str | Path) -> dict[str, zarr.Array[Any]]:
-    """Return the arrays of a store by name. Raises InputError for what is no store of a study."""
-    group = _open_group(Path(path))
-    if "digest" not in group.attrs:
-        raise InputError("store", str(path), "the store of a study")
-    return {name: _open_array(group, name) for name in group.array_keys()}
-
-
-def attributes_of(path: str | Path) -> dict[str, Any]:
-    """Return the attributes of a store. Raises InputError for what is no store."""
-    return dict(_open_group(Path(path)).attrs)
-
-
-def _open_group(path: Path) -> zarr.Group:
-    """Open the group of a store. Raises InputError where there is none, or it is damaged."""
+def open_group(path: Path) -> zarr.Group:
+    """Open the group of the store of a study. Raises InputError where there is none, or it is
+    damaged."""
     import zarr
 
     from rodgen.studies.integrity import DESCRIPTION, ChecksumStore, damage_error
@@ -230,10 +216,11 @@ def _open_group(path: Path) -> zarr.Group:
     try:
         store = ChecksumStore(path)
         group = zarr.open_group(store, mode="r+", zarr_format=3)
-        if "digest" in group.attrs:
-            names = json.loads(str(group.attrs["variables"]))
-            store.blocked = {*names, *str(group.attrs.get("coordinates", "")).split()}
-            store.dims = _open_array(group, MARK).ndim
+        if "digest" not in group.attrs:
+            raise InputError("store", str(path), "the store of a study")
+        names = json.loads(str(group.attrs["variables"]))
+        store.blocked = {*names, *str(group.attrs.get("coordinates", "")).split()}
+        store.dims = open_array(group, MARK).ndim
         return group
     except InputError:
         raise
@@ -244,7 +231,8 @@ def _open_group(path: Path) -> zarr.Group:
         raise InputError("store", str(path), f"the store of a study ({why})") from None
 
 
-def _open_array(group: zarr.Group, name: str) -> zarr.Array[Any]:
+def open_array(group: zarr.Group, name: str) -> zarr.Array[Any]:
+    """Open an array of the group of a store."""
     import zarr
 
     # A chunk that is not there was lost, not left out.
@@ -272,8 +260,7 @@ def _create(folder: Path, study: Study, layout: Layout, adaptive: str) -> None:
     coded = {str(name): {"compressors": CODECS} for name in coordinates.variables}
     coordinates.to_zarr(folder, mode="w", zarr_format=3, consolidated=False, encoding=coded)
     group = zarr.open_group(folder, mode="r+", zarr_format=3)
-    drawn = [_axis_variable(axis) for axis in study.axes] if sampled else []
-    for one in [*drawn, *variables(study)]:
+    for one in _store_variables(study):
         group.create_array(
             one.name,
             shape=layout.shape + one.shape,
@@ -288,17 +275,19 @@ def _create(folder: Path, study: Study, layout: Layout, adaptive: str) -> None:
     named = {"name": study.name, "digest": study.digest, "format": FORMAT, "variables": kept}
     named["token"] = uuid4().hex  # which no other store has
     group.attrs.update({**named, **study.contents, "adaptive": adaptive, **identity()})
-    if drawn:
-        group.attrs["coordinates"] = " ".join(one.name for one in drawn)
+    if sampled:
+        group.attrs["coordinates"] = " ".join(one.name for one in study.axes)
     write_checksums(folder)
 
 
-def _axis_variable(axis: Any) -> StudyVariable:
-    """Return the variable of a varied key at the points of a sample."""
-    kind = np.array(axis.value_at(0.0)).dtype.kind
-    fills = {"i": ("i8", 0), "U": ("U200", "")}
-    dtype, fill = fills.get(kind, ("f8", float("nan")))
-    return StudyVariable(axis.name, dtype=dtype, fill=fill)
+def _store_variables(study: Study) -> list[StudyVariable]:
+    """Return the variables of a store: of a sample, also those of the varied keys."""
+    drawn, fills = [], {"i": ("i8", 0), "U": ("U200", "")}
+    for axis in study.axes if study.sample is not None else ():
+        kind = np.array(axis.value_at(0.0)).dtype.kind
+        dtype, fill = fills.get(kind, ("f8", math.nan))
+        drawn.append(StudyVariable(axis.name, dtype=dtype, fill=fill))
+    return [*drawn, *variables(study)]
 
 
 def _object_text(values: NDArray[Any]) -> NDArray[Any]:
@@ -307,8 +296,6 @@ def _object_text(values: NDArray[Any]) -> NDArray[Any]:
 
 def _check_same(path: Path, attributes: Mapping[str, Any], study: Study, adaptive: str) -> None:
     """Raise InputError for the store of another study or version."""
-    if "digest" not in attributes:
-        raise InputError("store", str(path), "the store of a study")
     parts = {**study.contents, "adaptive": adaptive}
     other = [name for name, text in parts.items() if attributes.get(name) != text]
     if other:
@@ -323,8 +310,7 @@ def _check_same(path: Path, attributes: Mapping[str, Any], study: Study, adaptiv
 
 def _array_names(study: Study) -> list[str]:
     """Return the names of the arrays that blocks are written to, the mark last."""
-    drawn = [axis.name for axis in study.axes] if study.sample is not None else []
-    return [*drawn, *(one.name for one in variables(study) if one.name != MARK), MARK]
+    return [*(one.name for one in _store_variables(study) if one.name != MARK), MARK]
 
 
 def _extend(path: Path, arrays: Mapping[str, zarr.Array[Any]], count: int, before: int) -> None:
@@ -341,7 +327,7 @@ def _extend(path: Path, arrays: Mapping[str, zarr.Array[Any]], count: int, befor
     def resize(folder: Path) -> None:
         group = zarr.open_group(folder, mode="r+", zarr_format=3)
         for name in arrays:
-            array = _open_array(group, name)
+            array = open_array(group, name)
             array.resize((count, *array.shape[1:]))
 
     write_checksums(path, resize)

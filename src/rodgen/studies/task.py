@@ -21,15 +21,16 @@ from rodgen.result import collect_doubts
 from rodgen.studies import point_runs
 from rodgen.studies.analysis_results import analyse, kept_value
 from rodgen.studies.kept_quantities import RUN, analysis_rows, variables
-from rodgen.studies.point_arrays import PointArrays, StudyVariable
+from rodgen.studies.point_arrays import PointArrays
 from rodgen.studies.sampling import MARK, Point, points_at
-from rodgen.studies.store import StudyStore, dtype_of
+from rodgen.studies.store import StudyStore
 from rodgen.studies.time_limit import TimeLimitExceeded, time_limit
 
 if TYPE_CHECKING:
     from rodgen.studies.study import Study
 
 Arrays = Mapping[str, NDArray[Any]]
+Work = int | list[int]  # a block by its number, or points by theirs
 ENOUGH = 0.05  # seconds that are long enough to time points
 LONG = 0.5  # seconds of a point, up to which it is timed together with others
 SEVERAL = 32  # points side by side
@@ -45,7 +46,7 @@ def compute_points(study: Study, indices: Sequence[int]) -> Arrays:
     with threadpool_limits(1):
         try:
             with collect_doubts():  # doubts are counted
-                return evaluate(study, given, indices)
+                return evaluate(study, given)
         except Exception as error:  # of a function of the user's, or of a library under it
             if len(indices) == 1:
                 return failure_arrays(study, f"{type(error).__name__}: {error}")
@@ -53,6 +54,16 @@ def compute_points(study: Study, indices: Sequence[int]) -> Arrays:
     return concatenate(
         [compute_points(study, indices[:half]), compute_points(study, indices[half:])]
     )
+
+
+def compute_work(
+    store: StudyStore, work: Work, compute: Callable[[Study, Sequence[int]], Arrays]
+) -> tuple[int, int] | tuple[list[int], Arrays]:
+    """Compute a block, as `compute_block` does; or points, which are returned with their results
+    and not written."""
+    if isinstance(work, int):
+        return compute_block(store, work, compute)
+    return work, compute(store.study, work)
 
 
 def compute_block(
@@ -70,22 +81,15 @@ def compute_block(
 
 def failure_arrays(study: Study, why: str) -> Arrays:
     """Return the arrays of one point that failed, with the reason as its message."""
-    arrays = {one.name: _empty(one) for one in variables(study)}
-    arrays[MARK][:] = FAILED
-    arrays["message"][:] = " ".join(why.split())
-    return arrays
-
-
-def _empty(one: StudyVariable) -> NDArray[Any]:
-    return np.full((1, *one.shape), one.fill, dtype_of(one.dtype))
+    made = PointArrays(variables(study), 1)
+    made.fail(0, " ".join(why.split()))
+    made.arrays["seconds"][:] = np.nan
+    return made.arrays
 
 
 def concatenate(pieces: Sequence[Arrays]) -> Arrays:
     """Concatenate the arrays of several pieces."""
-    return {
-        name: np.concatenate([piece[name].astype(first.dtype) for piece in pieces])
-        for name, first in pieces[0].items()
-    }
+    return {name: np.concatenate([piece[name] for piece in pieces]) for name in pieces[0]}
 
 
 def time_point(study: Study) -> float:
@@ -111,21 +115,18 @@ def _time_points(study: Study, each: int) -> float:
     return own if own > clock / MOST_SHARED else clock
 
 
-def evaluate(
-    study: Study, points: Sequence[Mapping[str, Any]], indices: Sequence[int] = ()
-) -> dict[str, NDArray[Any]]:
+def evaluate(study: Study, points: list[Point]) -> dict[str, NDArray[Any]]:
     """Compute what a study keeps of some of its points: arrays by the names of variables, whose
     first axis is the points.
 
-    points: values by varied names; indices: their numbers in the study, which nothing depends on. A
-    point that cannot be built or computed has status "failed", its reason as message, and fill
-    values. But for `seconds`, the results of a point do not depend on the others, their number or
-    order, to the bit. Raises InputError for a quantity that cannot be kept.
+    points: values by varied names. A point that cannot be built or computed has status "failed",
+    its reason as message, and fill values. But for `seconds`, the results of a point do not depend
+    on the others, their number or order, to the bit. Raises InputError for a quantity that cannot
+    be kept.
     """
     made = PointArrays(variables(study), len(points))
-    given = [dict(point) for point in points]
     with np.errstate(all="ignore"):
-        (point_runs.compute if study.analysis == RUN else _analyse_points)(study, given, made)
+        (point_runs.compute if study.analysis == RUN else _analyse_points)(study, points, made)
     return made.arrays
 
 
@@ -139,13 +140,8 @@ def _analyse_points(study: Study, points: list[Point], made: PointArrays) -> Non
             system = study.system_at(point)
             with time_limit(study.time_limit, system):
                 result = analyse(study.analysis, system, study.options, count)
-            made.set_point(
-                at,
-                {one.text: kept_value(one.row, result, one.count) for one in asked},
-                float("nan"),
-                "",
-                len(result.doubts),
-            )
+            values = {one.text: kept_value(one.row, result, one.count) for one in asked}
+            made.set_point(at, values, np.nan, "", len(result.doubts))
         except (InputError, AnalysisError, RunError) as error:
             made.fail(at, str(error), getattr(error, "status", FAILED))
         except TimeLimitExceeded:

@@ -19,6 +19,7 @@ from rodgen.errors import InputError
 from rodgen.loading import cache
 from rodgen.studies import task
 from rodgen.studies.local import compute_in_process
+from rodgen.studies.specification import Texts
 from rodgen.studies.store import StudyStore, identity
 
 if TYPE_CHECKING:
@@ -26,8 +27,6 @@ if TYPE_CHECKING:
 
 # Keeps Python from importing from the folder in which it is started; the value says who set it.
 SAFE_PATH, SAFE = "PYTHONSAFEPATH", "rodgen"
-Texts = dict[tuple[str, ...], str]
-Indices = list[int]
 
 _unregister = resource_tracker.unregister
 
@@ -59,14 +58,14 @@ class StudyContext(WorkerPlugin):  # type: ignore[misc]  # Dask has no types
     def store(self) -> StudyStore:
         """The store, opened once in a process. Raises InputError where it is not the client's."""
         check_worker("this", versions(), self.identity)
-        where = f"on {platform.node()}"
+        store, why = None, " there is another store"
         try:
             store = StudyStore.of(self.path, self.study)
         except InputError as error:
-            allowed = f"a folder that all workers see ({where}: {error.allowed})"
-            raise InputError("out", str(self.path), allowed) from None
-        if store.token != self.token:
-            allowed = f"a folder that all workers see ({where} there is another store)"
+            why = f": {error.allowed}"
+        # Not in the handler: with what it came from, it reaches the client as a bare Exception.
+        if store is None or store.token != self.token:
+            allowed = f"a folder that all workers see (on {platform.node()}{why})"
             raise InputError("out", str(self.path), allowed)
         return store
 
@@ -94,16 +93,10 @@ def check_worker(name: str, found: Any, wanted: dict[str, str]) -> None:
     raise InputError("--scheduler", name, f"of workers with this version of rodgen ({what})")
 
 
-def compute_block(name: str, block: int, apart: bool) -> tuple[int, int]:
-    """Compute a block on a worker; apart: in a process that may die without the worker."""
-    compute = compute_in_process if apart else task.compute_points
-    return task.compute_block(_context(name).store, block, compute)
-
-
-def compute_piece(name: str, indices: Indices, apart: bool) -> tuple[Indices, task.Arrays]:
-    """Compute points on a worker, without writing them to the store; apart: as `compute_block`."""
-    compute = compute_in_process if apart else task.compute_points
-    return indices, compute(_context(name).store.study, indices)
+def compute_work(name: str, work: task.Work, apart: bool) -> Any:
+    """Compute a block or points on a worker; apart: in a process that may die without it."""
+    store, compute = _context(name).store, compute_in_process if apart else task.compute_points
+    return task.compute_work(store, work, compute)
 
 
 def _context(name: str) -> StudyContext:

@@ -58,9 +58,7 @@ class Empty(distributed.WorkerPlugin):  # type: ignore[misc]  # Dask has no type
         vars(task)["evaluate"] = nothing
 
 
-def nothing(
-    study: Study, points: Sequence[Mapping[str, Any]], indices: Sequence[int] = ()
-) -> Arrays:
+def nothing(study: Study, points: Sequence[Mapping[str, Any]]) -> Arrays:
     """Points that are all finished, without a run."""
     made = PointArrays(variables(study), len(points))
     made.arrays["status"][:] = "finished"

@@ -37,7 +37,7 @@ LIMIT = 240.0  # s, for a whole map on two cores
 
 def computed(study: Study, at: list[int]) -> dict[str, Any]:
     """What is kept of some points."""
-    return evaluate(study, points_at(study, at), at)
+    return evaluate(study, points_at(study, at))
 
 
 def runs(times: Times, count: int, span: float) -> None:

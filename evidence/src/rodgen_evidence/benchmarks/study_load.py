@@ -97,7 +97,7 @@ def study_load(count: int = 10**6, workers: int = 2, seconds: float = 3600.0) ->
         with processes(workers, folder) as (address, pids), Cluster(workers, address) as cluster:
             of = [*pids, os.getpid()]
             marks = {10**n for n in range(2, 9)} | {count * n // MARKS for n in range(1, MARKS + 1)}
-            work = cluster.compute_blocks(store, iter(range(FIRST + count)), {})
+            work = cluster.compute(store, iter(range(FIRST + count)), {})
             deque(islice(work, FIRST), maxlen=0)
             begun, before = time.monotonic(), used(of)
             for done, _ in enumerate(work, 1):

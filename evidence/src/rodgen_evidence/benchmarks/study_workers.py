@@ -39,11 +39,9 @@ class Waiting(distributed.WorkerPlugin):  # type: ignore[misc]  # Dask has no ty
         self.seconds = seconds
 
     def setup(self, worker: Any) -> None:
-        def wait(
-            study: Study, points: Sequence[Mapping[str, Any]], indices: Sequence[int] = ()
-        ) -> Arrays:
+        def wait(study: Study, points: Sequence[Mapping[str, Any]]) -> Arrays:
             time.sleep(self.seconds)
-            return nothing(study, points, indices)
+            return nothing(study, points)
 
         vars(task)["evaluate"] = wait
 

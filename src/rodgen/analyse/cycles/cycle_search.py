@@ -79,9 +79,9 @@ class CycleSearch:
         return self.system.p
 
     @cached_property
-    def _system_without_events(self) -> System:
-        """The system for runs, without its events."""
-        return transient.without_events(self.system)
+    def _plain_system(self) -> System:
+        """The system for runs, without its events and limits."""
+        return transient.without_run_options(self.system)
 
     def period_at(self, system: System) -> float:
         """The period of the loads [s] of a system that differs in a number, 0 where they do not
@@ -108,7 +108,7 @@ class CycleSearch:
             every = span / transient.SAMPLES
             if self.forced:
                 every = self.forced / transient.PER_PERIOD
-            times, states = run_from(self._system_without_events, y, t, span, every, self.target)
+            times, states = run_from(self._plain_system, y, t, span, every, self.target)
             t, y = float(times[-1]), states[-1]
             flow = self.flow(t, y)
             back = last_return(times, states[:, flow.quotient.kept], flow.quotient, self.forced)
@@ -144,9 +144,7 @@ class CycleSearch:
         it; if that begins with a sudden decay, run it once more from the end."""
         times = np.linspace(0.0, like.period, transient.LAP + 1)
         for _ in range(2):
-            _, states = run_from(
-                self._system_without_events, y, like.t, like.period, times[1], self.target
-            )
+            _, states = run_from(self._plain_system, y, like.t, like.period, times[1], self.target)
             x = states[:, flow.quotient.kept]
             rates = np.array([flow.rates(like.t + t, one) for t, one in zip(times, x, strict=True)])
             size = np.abs(rates).max(axis=1)

@@ -36,7 +36,7 @@ class Return:
     scale: float
 
 
-def without_events(system: System) -> System:
+def without_run_options(system: System) -> System:
     """Copy a system without its events, its limit of steps and its output times."""
     return system.at({"events": [], "integrate.max_steps": None, "integrate.t_eval": None})
 

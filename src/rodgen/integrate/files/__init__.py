@@ -6,8 +6,23 @@ import os
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
+from typing import Self
 
 from rodgen.errors import InputError
+
+
+class Closing:
+    """Base of files that are closed at the end of a with statement."""
+
+    def close(self) -> None:
+        """Close the file; what is in it stays as it is."""
+        raise NotImplementedError
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.close()
 
 
 @contextmanager

@@ -16,10 +16,12 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
-from typing import Any, BinaryIO, NamedTuple, Self
+from typing import Any, BinaryIO, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
+
+from rodgen.integrate.files import Closing
 
 NUMRECS = 4  # where the number of records lies in a file, in four bytes
 DIMENSION, VARIABLE, ATTRIBUTE = 10, 11, 12
@@ -190,7 +192,7 @@ def empty_file(
     return bytes(image[:first] + bytes(gap) + image[first : header.start])
 
 
-class RecordFile:
+class RecordFile(Closing):
     """A file that `empty_file` made, open to be read and, unless mode is "r", to grow; count: its
     records."""
 
@@ -270,9 +272,3 @@ class RecordFile:
         rest = memoryview(content)
         while rest:
             rest = rest[self._file.write(rest) :]
-
-    def __enter__(self) -> Self:
-        return self
-
-    def __exit__(self, *_: object) -> None:
-        self.close()

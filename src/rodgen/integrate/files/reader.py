@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from rodgen.arrays import Array
+from rodgen.arrays import Array, even_indices
 from rodgen.integrate.files.file_layout import NO_STATS, RUNNING, WORK, changes_in, native_copy
 from rodgen.integrate.files.result_file import ResultFile, as_input_error, warn_of_notes
 from rodgen.integrate.solution import Solution
@@ -71,8 +71,7 @@ def solution_of(
     with as_input_error(file.path):
         off = float(np.abs(records["energy_balance"])[good].max(initial=0.0))
         if max_samples is not None and len(good) > max_samples:
-            kept = np.unique(np.linspace(0, len(good) - 1, max_samples).round().astype(int))
-            good = good[kept]
+            good = good[even_indices(0, len(good) - 1, max_samples)]
         whole = len(good) == len(records)
         taken = records if whole else records[good]
         terms = [name for name in records.dtype.names or () if name.startswith(WORK)]

@@ -7,13 +7,13 @@ import warnings
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
-from typing import Any, Self
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from rodgen.errors import InputError
-from rodgen.integrate.files import file_layout
+from rodgen.integrate.files import Closing, file_layout
 from rodgen.integrate.files.file_layout import FORMAT, RUNNING, RunState, native_copy
 from rodgen.integrate.files.netcdf import Header, RecordFile, read_header
 from rodgen.integrate.stepper import INTERRUPTED
@@ -41,7 +41,7 @@ class FileWarning(UserWarning):
     """
 
 
-class ResultFile:
+class ResultFile(Closing):
     """Result file, open to be read. scene: that of its run; run: how that went; notes: what is
     left out of it.
 
@@ -153,9 +153,8 @@ class ResultFile:
         count = self.run.events
         good = np.zeros(count, bool)
         for k in range(min(count, len(number))):
-            good[k] = (
-                file_layout.checksum_of_event(k, number[k], t[k], y[k], self.run.fixed) == found[k]
-            )
+            event = number[k], t[k], y[k]
+            good[k] = file_layout.checksum_of_event(k, *event, self.run.fixed) == found[k]
         if not good.all():
             self._report_damage(f"{count - good.sum()} of its {count} events")
         # The one behind them may have been half written when the run was killed.
@@ -177,12 +176,6 @@ class ResultFile:
     def close(self) -> None:
         """Close the file."""
         self._file.close()
-
-    def __enter__(self) -> Self:
-        return self
-
-    def __exit__(self, *_: object) -> None:
-        self.close()
 
 
 def _name_gaps(good: NDArray[np.bool_], t: NDArray[np.float64]) -> str:

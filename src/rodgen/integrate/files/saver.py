@@ -21,7 +21,7 @@ from numpy.typing import NDArray
 from rodgen.errors import InputError
 from rodgen.integrate.events import EventDetector
 from rodgen.integrate.files import atomic_write
-from rodgen.integrate.files.file_layout import RUNNING, RunState
+from rodgen.integrate.files.file_layout import RUNNING
 from rodgen.integrate.files.reader import solution_of
 from rodgen.integrate.files.result_file import ResultFile
 from rodgen.integrate.files.stream import Stream
@@ -147,8 +147,8 @@ class Saver:
         """
         with ResultFile(path) as file:
             if file.run.status in ENDED:
-                allowed = f"of a run to go on with; this one {_end_clause(file.run)}"
-                raise InputError("file", str(path), allowed)
+                ended = "is finished" if file.run.status == FINISHED else file.run.message
+                raise InputError("file", str(path), f"of a run to go on with; this one {ended}")
         at = checkpoint_path(path)
         state, numbers = read_checkpoint(at) if at.exists() else ({}, _NOTHING)
         try:
@@ -178,9 +178,8 @@ class Saver:
         try:
             machine.restore(self._state)
         except (KeyError, ValueError) as error:
-            raise InputError(
-                "checkpoint", str(self.stream and self.stream.path), str(error)
-            ) from None
+            path = str(self.stream and self.stream.path)
+            raise InputError("checkpoint", path, str(error)) from None
 
     def attach(
         self,
@@ -219,7 +218,7 @@ class Saver:
             self._write()
             return
         self._write()
-        numbers: dict[str, float | int | str] = {
+        numbers: dict[str, Number] = {
             "samples": self.stream.count,
             "events": self.stream.events,
             "seconds": self._stats().wall_seconds,
@@ -242,10 +241,6 @@ class Saver:
             solution = solution_of(file, records, good, IN_MEMORY)
         solution.model = self.model
         return solution
-
-
-def _end_clause(run: RunState) -> str:
-    return "is finished" if run.status == FINISHED else run.message
 
 
 def _module_key(model: ModuleType) -> str:

@@ -6,13 +6,13 @@ import io
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from types import ModuleType
-from typing import Self
+from typing import Any, Self
 
 import numpy as np
 
 from rodgen.arrays import Array
 from rodgen.errors import InputError
-from rodgen.integrate.files import atomic_write, file_layout
+from rodgen.integrate.files import Closing, atomic_write, file_layout
 from rodgen.integrate.files.file_layout import (
     GIVEN,
     NO_STATS,
@@ -36,7 +36,7 @@ BLOCK = 2**20  # bytes of records that are made at once
 INPUT = "time", "y", PARAMETERS, GIVEN  # and works: all else follows from them
 
 
-class Stream:
+class Stream(Closing):
     """Samples of a run and what follows from them, in a NetCDF file that grows.
 
     Samples, events and the text of the run are in the file as soon as the method that writes them
@@ -137,9 +137,8 @@ class Stream:
             raise ValueError(f"samples of shapes {shapes}, not {due}")
         if self.count + count > MOST:
             raise InputError("samples", self.count + count, f"at most {MOST} in a file")
-        whole = Trajectory(
-            self.system, t, y, dict(work), NO_STATS, model=self.model, changes=changes
-        )
+        more: dict[str, Any] = {"model": self.model, "changes": changes}
+        whole = Trajectory(self.system, t, y, dict(work), NO_STATS, **more)
         at_once = max(1, BLOCK // record.itemsize)
         for at in range(0, count, at_once):
             self._append(whole.isel(slice(at, at + at_once)))
@@ -154,9 +153,8 @@ class Stream:
         for name, quantity in found.items():
             records[name] = quantity.values
         first = self.count
-        records[file_layout.CHECKSUM] = file_layout.checksums_of_records(
-            records, first, self._run.fixed
-        )
+        sums = file_layout.checksums_of_records(records, first, self._run.fixed)
+        records[file_layout.CHECKSUM] = sums
         self._file.append(records)
         self._write_run(self._run._replace(samples=first + len(records)))
         self._file.count_to(first + len(records))
@@ -229,12 +227,6 @@ class Stream:
     def close(self) -> None:
         """Close the file; what is in it stays as it is."""
         self._file.close()
-
-    def __enter__(self) -> Self:
-        return self
-
-    def __exit__(self, *_: object) -> None:
-        self.close()
 
 
 def _with_run_text(image: bytes) -> bytes:

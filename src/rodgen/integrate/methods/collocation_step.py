@@ -65,20 +65,17 @@ class CollocationStep:
     @cached_property
     def end_state(self) -> Array:
         """State at the end."""
-        state: Array = self.y + END @ self.z
-        return state
+        return np.asarray(self.y + END @ self.z)
 
     @cached_property
     def start_defect(self) -> Array:
         """Defect of the polynomial's slope at the start, times h."""
-        lack: Array = self.h * self.rates[0] - _SLOPES[0] @ self.z
-        return lack
+        return np.asarray(self.h * self.rates[0] - _SLOPES[0] @ self.z)
 
     @cached_property
     def end_defect(self) -> Array:
         """Defect of the polynomial's slope at the end, times h."""
-        lack: Array = self.h * self.rates[1] - _SLOPES[1] @ self.z
-        return lack
+        return np.asarray(self.h * self.rates[1] - _SLOPES[1] @ self.z)
 
     @cached_property
     def trapezoid_error(self) -> Array:
@@ -88,8 +85,7 @@ class CollocationStep:
 
     def damp(self, defect: Array) -> Array:
         """Damp the stiff part of a defect by the Newton matrix."""
-        less: Array = lu_solve(self.real, MU / self.h * defect, check_finite=False)
-        return less
+        return np.asarray(lu_solve(self.real, MU / self.h * defect, check_finite=False))
 
     @cached_property
     def corrections(self) -> Array:
@@ -108,8 +104,7 @@ class CollocationStep:
         if not 0 < most < np.inf:
             return np.zeros_like(change)
         by = NUDGE / most
-        slope: Array = (self.rhs(self.t, self.y + by * change) - self.rates[0]) / by
-        return slope
+        return (self.rhs(self.t, self.y + by * change) - self.rates[0]) / by
 
     def states_at(self, x: Array, whole: bool = True) -> Array:
         """States (K, states) at shares x (K,) of the step, beyond its end too; whole: with the

@@ -3,6 +3,9 @@
 from __future__ import annotations
 
 import time
+from collections.abc import Iterator
+from itertools import groupby
+from operator import itemgetter
 from types import ModuleType
 
 import numpy as np
@@ -10,7 +13,7 @@ from numpy.typing import NDArray
 
 from rodgen.arrays import Array
 from rodgen.emit.targets import target_of
-from rodgen.integrate.events import EventDetector, Found, SwitchProgress
+from rodgen.integrate.events import Bracket, EventDetector, Found, SwitchProgress
 from rodgen.integrate.recorder import Recorder
 from rodgen.integrate.stepper import Counts, StepError
 from rodgen.integrate.stretches import EMPTYING_ROW, EventStop, MassJumps, State
@@ -40,14 +43,24 @@ def initial_parts(settings: IntegrationTable, target: str | None) -> tuple[str, 
     return ("flow", "power") if settings.method in COMPILED else ("rhs", "power")
 
 
+def compiled_name(method: str, equal: bool) -> str:
+    """Name that a method has in C; equal: its steps are."""
+    return f"{method}_equal_steps" if equal and method in EITHER else method
+
+
+def next_quota(quota: int, took: float) -> int:
+    """Number of steps that fill a slice, where so many took a time [s]."""
+    change = min(4.0, max(0.25, SLICE / max(took, 1e-9)))
+    return int(min(MOST, max(1, quota * change)))
+
+
 class CompiledIntegrator:
     """Integrator of a run by a method of the C module (see stretches.Integrator)."""
 
     def __init__(self, model: ModuleType, p: Array, settings: IntegrationTable, t: float, y: Array):
         self._model = model
         step = settings.step if settings.has_fixed_step else 0.0
-        equal = settings.method in EITHER and settings.has_fixed_step
-        method = f"{settings.method}_equal_steps" if equal else settings.method
+        method = compiled_name(settings.method, settings.has_fixed_step)
         self._run = model.Run(method, t, y, p, step, *settings.step_tolerances)
         self._numbers = self._run.numbers
         self._states, self._quota, self._block = len(y), FIRST, BLOCK
@@ -96,8 +109,7 @@ class CompiledIntegrator:
         start = time.perf_counter()
         status, sampled = self._run.advance(min(self._quota, most), times, rows)
         took = time.perf_counter() - start
-        self._add_mass_jump(times[:sampled], rows)
-        recorder.commit(sampled)
+        self._commit(recorder, times[:sampled], rows)
         self._adapt(status, took)
         return self._check_status(status)
 
@@ -107,16 +119,17 @@ class CompiledIntegrator:
             work[EMPTYING_ROW] += come
         return work
 
-    def _add_mass_jump(self, times: Array, rows: Array) -> None:
-        """Add to the sample at the end of the stretch the energy of masses that jump there."""
+    def _commit(self, recorder: Recorder, times: Array, rows: Array) -> None:
+        """Commit the samples at these times, the one at the end of the stretch with the energy of
+        masses that jump there."""
         if len(times) and (come := self._jumps.gain_at_end(float(times[-1]), self.y)):
             rows[len(times) - 1, EMPTYING_ROW] += come
+        recorder.commit(len(times))
 
     def _adapt(self, status: int, took: float) -> None:
         """Adapt the steps that are taken at a time to the length of a slice."""
         if status == self._model.PAUSED:
-            change = min(4.0, max(0.25, SLICE / max(took, 1e-9)))
-            self._quota = int(min(MOST, max(1, self._quota * change)))
+            self._quota = next_quota(self._quota, took)
 
     def _check_status(self, status: int) -> bool:
         """Return whether the end is reached. Raises StepError for what went wrong."""
@@ -158,22 +171,14 @@ class CompiledIntegrator:
         found = [crossing for crossing in found if not watch.is_switch(crossing[1])]
         if found:
             after = self._run.memory.copy()
-            self._run.memory[:] = before
-            at = 0
-            for k in sorted({k for k, _, _ in found}):
-                self._run.advance(k + 1 - at, times[:0], rows[:0])
-                at = k + 1
-                here = [(number, span) for step, number, span in found if step == k]
-                self._record_events(here, watch, recorder, times, sampled)
+            for _, here in self._retake_steps(found, before):
+                self._record_events(here, watch, recorder, times[:sampled])
             self._run.memory[:] = after
-        self._add_mass_jump(times[:sampled], rows)
-        recorder.commit(sampled)
+        self._commit(recorder, times[:sampled], rows)
         self._adapt(status, time.perf_counter() - start)
-        return (
-            False
-            if switch or self._extend_past_switch(status, watch)
-            else self._check_status(status)
-        )
+        if switch or self._extend_past_switch(status, watch):
+            return False
+        return self._check_status(status)
 
     def _extend_past_switch(self, status: int, watch: EventDetector) -> bool:
         """Go a little further where a law of the motion was to switch and has not; return whether
@@ -191,21 +196,26 @@ class CompiledIntegrator:
     ) -> tuple[int, float, dict[int, float]] | None:
         """Find the step, from the bytes before the first one on, in which a law of the motion
         switches first, when, and which numbers that has, with their signs before."""
-        steps = sorted({k for k, number, _ in found if watch.is_switch(number)})
+        switches = [crossing for crossing in found if watch.is_switch(crossing[1])]
         after = self._run.memory.copy()
-        self._run.memory[:] = before
-        nothing, at = np.empty(0), 0
         try:
-            for k in steps:
-                self._run.advance(k + 1 - at, nothing, np.empty((0, len(self._run.state))))
-                at = k + 1
-                here = [(n, span) for step, n, span in found if step == k and watch.is_switch(n)]
-                first = watch.first_switch(here, float(t[k]), self._dense_output)
-                if first:
+            for k, here in self._retake_steps(switches, before):
+                if first := watch.first_switch(here, float(t[k]), self._dense_output):
                     return (k, *first)
             return None
         finally:
             self._run.memory[:] = after
+
+    def _retake_steps(
+        self, found: list[Found], before: NDArray[np.uint8]
+    ) -> Iterator[tuple[int, list[Bracket]]]:
+        """Take the steps in which something crosses again, from the bytes before the first one;
+        yields the number of each, and what crosses in it."""
+        self._run.memory[:], at = before, 0
+        for k, crossings in groupby(found, key=itemgetter(0)):
+            self._run.advance(k + 1 - at, np.empty(0), np.empty((0, len(self._run.state))))
+            at = k + 1
+            yield k, [(number, span) for _, number, span in crossings]
 
     def _dense_output(self, at: Array) -> Array:
         """States (K, states) at times (K,) in the last step."""
@@ -213,21 +223,13 @@ class CompiledIntegrator:
         return states
 
     def _record_events(
-        self,
-        here: list[tuple[int, tuple[float, float]]],
-        watch: EventDetector,
-        recorder: Recorder,
-        times: Array,
-        sampled: int,
+        self, here: list[Bracket], watch: EventDetector, recorder: Recorder, times: Array
     ) -> None:
-        """Record the events of the last step, in their order."""
-        located = [
-            (watch.locate(number, *span, self._dense_output), number) for number, span in here
-        ]
-        for at, number in watch.sort_events(located):
+        """Record the events of the last step, in their order; times: of the samples."""
+        for at, number in watch.locate_all(here, self._dense_output):
             row = self._run.state_at(np.array([at]))[0]
             if watch.record_event(number, at, row[: self._states]):
-                recorder.commit(int(np.searchsorted(times[:sampled], at, side="right")))
+                recorder.commit(int(np.searchsorted(times, at, side="right")))
                 recorder.end_at(at, row)
                 raise EventStop(number, at)
 

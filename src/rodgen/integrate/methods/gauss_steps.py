@@ -25,7 +25,7 @@ from rodgen.integrate.methods.collocation_step import (
     StageSolver,
     rms,
 )
-from rodgen.integrate.stepper import Counts, InitialValueProblem, Interpolant, StepError
+from rodgen.integrate.stepper import InitialValueProblem, Interpolant, StepError
 from rodgen.model.methods import COLLOCATION
 
 TWO_STEPS = COLLOCATION["gauss"]
@@ -37,6 +37,7 @@ class _Gauss:
 
     def __init__(self, problem: InitialValueProblem, equal: bool = False):
         self._stages, self._end = StageSolver(problem, equal), problem.end
+        self.counts = self._stages.counts
         half = (len(problem.y) - problem.added) // 2
         self._velocities = slice(half, 2 * half)
         self.t, self.y = problem.t, problem.y
@@ -45,11 +46,6 @@ class _Gauss:
             raise StepError("the rates stop being finite")
         self._taken: CollocationStep | None = None
         self._smooth = False  # whether two steps tell more of the error than one
-
-    @property
-    def counts(self) -> Counts:
-        """Steps and evaluations so far."""
-        return self._stages.counts
 
     def _first_guess(self, h: float) -> Array:
         """First guess of the stages: on the polynomial of the last step, or at the state."""

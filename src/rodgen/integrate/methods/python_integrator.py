@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import time
 from collections import deque
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from dataclasses import replace
 from types import ModuleType
 from typing import TypeVar
@@ -17,13 +17,7 @@ from rodgen.integrate.methods.gauss_steps import GaussEqualSteps, GaussStep
 from rodgen.integrate.methods.python_steppers import CvodeStep, FixedStep, ScipyStep
 from rodgen.integrate.recorder import Recorder
 from rodgen.integrate.stability import extra_states_of, largest_stable_step
-from rodgen.integrate.stepper import (
-    Counts,
-    InitialValueProblem,
-    Interpolant,
-    StepError,
-    Stepper,
-)
+from rodgen.integrate.stepper import Counts, InitialValueProblem, Interpolant, StepError, Stepper
 from rodgen.integrate.stretches import EMPTYING_ROW, EventStop, MassJumps, State
 from rodgen.model.methods import TABLEAUX
 from rodgen.model.rod import BOUNDARIES
@@ -31,10 +25,8 @@ from rodgen.scene.integration import IntegrationTable
 
 SLICE = 0.03  # seconds
 # Gauss-Legendre on [0, 1]: exact to order 8, beyond every interpolant in use.
-NODES, WEIGHTS = (
-    (np.polynomial.legendre.leggauss(4)[0] + 1) / 2,
-    (np.polynomial.legendre.leggauss(4)[1] / 2),
-)
+_GAUSS = np.polynomial.legendre.leggauss(4)
+NODES, WEIGHTS = (_GAUSS[0] + 1) / 2, _GAUSS[1] / 2
 RECENT = 100  # evaluations that are looked at when a run stops, more than a step tries at once
 BUFFER = 256  # steps whose power is evaluated at once
 
@@ -72,11 +64,7 @@ class PythonIntegrator:
 
     @property
     def counts(self) -> Counts:
-        total = Counts()
-        total += self._done
-        if self._stepper is not None:
-            total += self._stepper.counts
-        return total
+        return self._done if self._stepper is None else self._done + self._stepper.counts
 
     def rhs(self, t: float, y: Array) -> Array:
         """Rates at a time, which is kept inside the stretch between two break points."""
@@ -104,32 +92,23 @@ class PythonIntegrator:
 
     def _start_stepper(self, end: float) -> None:
         """Begin steps up to the end of the stretch, or to where a law of the motion switches."""
-        self._finish_stretch()
-        self._to, self._last, longest = end, None, self._longest
+        self._done, self._stepper = self.counts, None
+        self._to, self._last = end, None
+        settings, model, longest = self._settings, self._model, self._longest
 
         def longest_step(t: float, y: Array) -> float:
-            return min(
-                longest, largest_stable_step(settings.method, self._model, t, y, self._p) or np.inf
-            )
+            stable = largest_stable_step(settings.method, model, t, y, self._p)
+            return min(longest, stable or np.inf)
 
-        settings = self._settings
-        added = len(extra_states_of(self._model))
-        problem = InitialValueProblem(
-            self.rhs, self.jac, self.t, self.y, end, settings, longest_step, added
-        )
-        base = 2 * BOUNDARIES[self._model.BOUNDARY].translates
-        angles = slice(base, (len(self.y) - added) // 2)
+        added, base = len(extra_states_of(model)), 2 * BOUNDARIES[model.BOUNDARY].translates
+        start = self.rhs, self.jac, self.t, self.y
+        problem = InitialValueProblem(*start, end, settings, longest_step, added)
         # Equal steps have no tolerance that whole turns could loosen, and times of their own.
-        self._stepper = (
-            make_stepper(problem)
-            if settings.has_fixed_step
-            else rebase(make_stepper, problem, angles)
-        )
-
-    def _finish_stretch(self) -> None:
-        if self._stepper is not None:
-            self._done += self._stepper.counts
-            self._stepper = None
+        if settings.has_fixed_step:
+            self._stepper = make_stepper(problem)
+        else:
+            angles = slice(base, (len(self.y) - added) // 2)
+            self._stepper = rebase(make_stepper, problem, angles)
 
     def advance(self, recorder: Recorder, watch: EventDetector, most: int) -> bool:
         stepper = self._stepper
@@ -188,7 +167,7 @@ class PythonIntegrator:
             recorder.commit(count)
             if whole or ends_here:
                 break
-        if self._work.n_waiting > BUFFER:
+        if len(self._work.waiting) > BUFFER:
             self._work.flush(recorder)
 
     def _find_events(self, stepper: Stepper, recorder: Recorder, watch: EventDetector) -> bool:
@@ -211,8 +190,7 @@ class PythonIntegrator:
         found = [crossing for crossing in found if not watch.is_switch(crossing[1])]
         if not (at and found):
             return False
-        located = [(watch.locate(number, *span, at), number) for _, number, span in found]
-        for when, number in watch.sort_events(located):
+        for when, number in watch.locate_all([crossing[1:] for crossing in found], at):
             y = at(np.array([when]))[0]
             if watch.record_event(number, when, y):
                 self._record_step(recorder, when, y, stepper.interpolant)
@@ -238,23 +216,17 @@ class PythonIntegrator:
 
 
 class WorkQuadrature:
-    """Work of every load without potential, by quadrature over each step."""
+    """Work of every load without potential, by quadrature over each step; waiting: stretches whose
+    power is not integrated yet."""
 
     def __init__(self, model: ModuleType, p: Array, t: float, y: Array):
         self._p = p
-        power: Callable[[Array, Array, Array], Mapping[str, Array]] | None
-        power = getattr(model, "power", None)
-        self._power = power
+        self._power = power = getattr(model, "power", None)
         with np.errstate(all="ignore"):  # of a state that cannot be integrated
             self.terms = tuple(power(np.float64(t), y, p)) if power else ()
         self.totals = np.zeros(len(self.terms))
-        self._waiting: list[tuple[Array, Array, Array, list[int], float, float]] = []
+        self.waiting: list[tuple[Array, Array, Array, list[int], float, float]] = []
         self.come = 0.0  # energy [J] with masses that have jumped since the last stretch
-
-    @property
-    def n_waiting(self) -> int:
-        """Number of stretches whose power is not integrated yet."""
-        return len(self._waiting)
 
     def add(
         self, t0: float, inside: Array, t1: float, at: Interpolant, sample: int, here: float
@@ -267,14 +239,14 @@ class WorkQuadrature:
         nodes = (edges[:-1, None] + widths[:, None] * NODES).ravel()
         # Which sample each stretch ends at; the last stretch may end at none.
         samples = [*range(sample, sample + len(inside)), *([] if ends_here else [-1])]
-        self._waiting.append((nodes, at(nodes), widths, samples, self.come, here))
+        self.waiting.append((nodes, at(nodes), widths, samples, self.come, here))
         self.come = 0.0
 
     def flush(self, recorder: Recorder) -> None:
         """Integrate the power over the steps that wait, and write it into their samples."""
-        if not self._waiting or not self._power:
+        if not self.waiting or not self._power:
             return
-        nodes, states, widths, samples, come, here = zip(*self._waiting, strict=True)
+        nodes, states, widths, samples, come, here = zip(*self.waiting, strict=True)
         power = self._power(np.concatenate(nodes), np.concatenate(states), self._p)
         width = np.concatenate(widths)
         ends = np.array([sample for some in samples for sample in some])
@@ -291,7 +263,7 @@ class WorkQuadrature:
                 if sample >= 0:
                     recorder.row(sample)[recorder.states + at] = total
         # Only now: an interrupt before this line has the same steps integrated again.
-        self.totals, self._waiting = totals, []
+        self.totals, self.waiting = totals, []
 
 
 def rebase(

@@ -68,10 +68,10 @@ class FixedStep:
         assert step is not None
         tableau = TABLEAUX[problem.settings.method]
         self._advance, self._step = explicit_step(tableau, added=problem.added), step
-        self._counts = Counts(rejected=0)
+        self.counts = Counts(rejected=0)
 
         def rhs(at: float, state: Array) -> Array:
-            self._counts.nfev += 1
+            self.counts.nfev += 1
             return problem.rhs(at, state)
 
         self._rhs = rhs
@@ -81,16 +81,11 @@ class FixedStep:
         self.t, self.y = t, y
         self._f = rhs(t, y)
 
-    @property
-    def counts(self) -> Counts:
-        """Steps and evaluations so far."""
-        return self._counts
-
     def step(self) -> bool:
         """Take a step; True when the end is reached. Raises StepError."""
-        self._counts.nsteps += 1
-        last = self._counts.nsteps >= self._total
-        t = self._end if last else self._start + self._counts.nsteps * self._step
+        self.counts.nsteps += 1
+        last = self.counts.nsteps >= self._total
+        t = self._end if last else self._start + self.counts.nsteps * self._step
         y = self._advance(self._rhs, self.t, self.y, self._f, t - self.t)
         f = self._rhs(t, y)
         if not np.isfinite(f).all():
@@ -198,19 +193,11 @@ class ScipyStep:
     def _dense_in_parts(self, start: float, y: Array, parts: int) -> Any:
         """Dense output of so many equal steps over the last one, if they succeed."""
         length = (self.t - start) / parts
-        whatever = {"rtol": np.inf, "atol": np.inf}  # their length is known
+        how = {"first_step": length, "max_step": length, "rtol": np.inf, "atol": np.inf}
+        what = self._solver.fun, (start, self.t), y, "DOP853"
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")
-            made = scipy.integrate.solve_ivp(
-                self._solver.fun,
-                (start, self.t),
-                y,
-                "DOP853",
-                dense_output=True,
-                first_step=length,
-                max_step=length,
-                **whatever,
-            )
+            made = scipy.integrate.solve_ivp(*what, dense_output=True, **how)
         return made.sol if made.success else None
 
 
