@@ -17,9 +17,8 @@ from rodgen.analyse.eigenvalue_check import (
     is_contradiction,
 )
 from rodgen.analyse.load_family import BASIS, LoadFamily, load_family
-from rodgen.analyse.load_search import LoadSearch
 from rodgen.analyse.modal import ModalMotions
-from rodgen.analyse.onset import Onset
+from rodgen.analyse.onset import LoadSearch, Onset
 from rodgen.analyse.small_motions import SmallMotions
 from tests.analyse.rods import FORCE, ONES, THRUST, rod
 

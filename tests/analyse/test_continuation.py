@@ -9,8 +9,15 @@ import pytest
 from scipy.sparse import csc_array
 
 from rodgen.analyse.bordered import BorderedMatrix, Matrix
-from rodgen.analyse.curves.continuation import continue_curve, start_point
-from rodgen.analyse.curves.curve import BRANCH, FOLD, ContinuationProblem, Curve, CurvePoint
+from rodgen.analyse.curves.continuation import continue_curve
+from rodgen.analyse.curves.curve import (
+    BRANCH,
+    FOLD,
+    ContinuationProblem,
+    Curve,
+    CurvePoint,
+    start_point,
+)
 from rodgen.arrays import Array
 from rodgen.errors import AnalysisError
 from tests.told import numbers

@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 from rodgen.analyse.branches.equilibrium_branch import continue_equilibria
-from rodgen.analyse.curves.continuation import continue_curve, start_point
-from rodgen.analyse.curves.curve import BRANCH, ContinuationProblem
+from rodgen.analyse.curves.continuation import continue_curve
+from rodgen.analyse.curves.curve import BRANCH, ContinuationProblem, start_point
 from rodgen.analyse.cycles.cycle_search import CycleSearch
 from rodgen.analyse.cycles.hopf import first_hopf, normal_form
 from rodgen.arrays import Array

@@ -11,7 +11,7 @@ import pytest
 
 import rodgen as package
 from rodgen.analyse import critical, simulated_critical
-from rodgen.analyse.load_family import LoadFamily, load_family
+from rodgen.analyse.load_family import load_family
 from rodgen.errors import AnalysisError, InputError
 from rodgen.show import appearance
 from rodgen.show.analysis_pictures import stability_curves
@@ -172,16 +172,16 @@ def test_simulations_are_of_the_speed_and_their_force_may_be_another(
     """What differs is doubted; and the force by eigenvalues outlives a simulation without one."""
     given: list[float] = []
 
-    def half(family: LoadFamily, span: float, **_: Any) -> simulated_critical.SimulatedCritical:
-        given.append(family.rod.speed)
+    def half(run: simulated_critical.GrowthTest) -> simulated_critical.SimulatedCritical:
+        given.append(run.family.rod.speed)
         return simulated_critical.SimulatedCritical(
-            50.0, 49.0, 51.0, span, None, 9, 1.0, "c", given[-1]
+            50.0, 49.0, 51.0, run.span, None, 9, 1.0, "c", given[-1]
         )
 
     def nothing(*_: object, **__: object) -> None:
         raise AnalysisError("nothing grows")
 
-    monkeypatch.setattr(critical, "simulate_critical", half)
+    monkeypatch.setattr(critical, "bisect_growth", half)
     scene = column(f"{PUSHED}\n{DRAG}", "free")
     command = ("critical", scene, "--speed", 20, "--simulate", 5, "--json")
     done = rodgen(*command)
@@ -194,7 +194,7 @@ def test_simulations_are_of_the_speed_and_their_force_may_be_another(
     (doubted,) = (note for note in found["notes"] if note["kind"] == "doubt")
     assert doubted["figures"]["by_simulations"] == 50.0
     assert doubted["text"] in done.stderr
-    monkeypatch.setattr(critical, "simulate_critical", nothing)
+    monkeypatch.setattr(critical, "bisect_growth", nothing)
     done = rodgen(*command)
     assert done.returncode == 3
     assert json.loads(done.stdout)["value"] == alone.value

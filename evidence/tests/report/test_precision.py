@@ -210,7 +210,7 @@ def test_rodgens_rows_come_to_an_order_and_a_duel(tmp_path: Path) -> None:
     made("pendulum", table, tmp_path)
     job, held = contests.prepared("pendulum", table, str(tmp_path))
     rows: list[Measurement] = []
-    for method, target in method_families.own_methods(job):
+    for method, target in contests.own_methods(job):
         if (method, target) in {("rk4", "c"), ("dop853", "c")}:
             family = method_families.own_family(job, method, target, quick=False)
             one = contests.label(job, method, target, TAKEN)

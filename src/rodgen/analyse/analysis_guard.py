@@ -94,11 +94,7 @@ ALL_MODES = 250.0  # for every pair of links, where all modes are computed
 
 
 def check_analysis_memory(
-    analysis: str,
-    system: System,
-    whole: bool = False,
-    count: int = 0,
-    few: int = 0,
+    analysis: str, system: System, whole: bool = False, count: int = 0, few: int = 0
 ) -> None:
     """Raise InputError for an analysis that needs more memory than it may take.
 
@@ -154,25 +150,23 @@ def check_inside(given: object, field: str, bounds: Bounds, more: str = "") -> f
     raise InputError(field, given, f"a number in the range, {low:g} to {high:g}{more}")
 
 
-def check_bounds(given: object, field: str = "bounds") -> Bounds:
+def check_bounds(given: object) -> Bounds:
     """Check bounds and return them. Raises InputError unless they are two finite numbers."""
-    low, high = _check_ends(given, field, "(a, b), two finite numbers")
+    low, high = check_open_bounds(given, "(a, b), two finite numbers")
     if low is None or high is None:
-        raise InputError(field, given, "(a, b), two finite numbers")
+        raise InputError("bounds", given, "(a, b), two finite numbers")
     return float(low), float(high)
 
 
-def check_open_bounds(given: object, field: str = "bounds") -> OpenBounds:
+def check_open_bounds(
+    given: object, allowed: str = "(a, b), each None or a finite number"
+) -> OpenBounds:
     """Check bounds of which each may be None, and return them. Raises InputError for others."""
-    return _check_ends(given, field, "(a, b), each None or a finite number")
 
+    def can_be_end(value: object) -> bool:
+        return value is None or (is_number(value) and abs(value) <= LARGEST)
 
-def _check_ends(given: object, field: str, allowed: str) -> OpenBounds:
-    ends = to_plain(given, field)
-    if not (isinstance(ends, list) and len(ends) == 2 and all(map(_can_be_end, ends))):
-        raise InputError(field, given, f"{allowed}, at most {LARGEST:g} in size")
+    ends = to_plain(given, "bounds")
+    if not (isinstance(ends, list) and len(ends) == 2 and all(map(can_be_end, ends))):
+        raise InputError("bounds", given, f"{allowed}, at most {LARGEST:g} in size")
     return ends[0], ends[1]
-
-
-def _can_be_end(value: object) -> bool:
-    return value is None or (is_number(value) and abs(value) <= LARGEST)

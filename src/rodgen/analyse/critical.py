@@ -8,7 +8,13 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from rodgen.analyse.analysis_guard import Bounds, OpenBounds, check_open_bounds, guard_analysis
+from rodgen.analyse.analysis_guard import (
+    Bounds,
+    OpenBounds,
+    check_open_bounds,
+    check_positive,
+    guard_analysis,
+)
 from rodgen.analyse.eigenvalue_check import (
     ALIKE,
     find_contradiction,
@@ -16,19 +22,16 @@ from rodgen.analyse.eigenvalue_check import (
     full_spectrum,
 )
 from rodgen.analyse.load_family import BASIS, HIGHEST, LoadFamily, load_family
-from rodgen.analyse.load_search import LoadSearch, StabilityChange, load_grid
 from rodgen.analyse.modal import DIVERGENCE, FLUTTER, MOST_DENSE, rounding_growth
-from rodgen.analyse.onset import At, Onset, solve_onset, solve_zero_onset
+from rodgen.analyse.onset import At, LoadSearch, Onset, load_grid, solve_onset, solve_zero_onset
 from rodgen.analyse.pencil import BlockPencil, DensePencil
-from rodgen.analyse.scaled_load import (
-    FOLLOWER,
-    GROUPS,
-    find_term,
-    label_of,
-    symbol_of,
-    unit_of,
+from rodgen.analyse.scaled_load import FOLLOWER, GROUPS, find_term, label_of, symbol_of, unit_of
+from rodgen.analyse.simulated_critical import (
+    GrowthTest,
+    SimulatedCritical,
+    bisect_growth,
+    find_difference,
 )
-from rodgen.analyse.simulated_critical import SimulatedCritical, find_difference, simulate_critical
 from rodgen.analyse.steady_rod import TIME, StateResult
 from rodgen.display import Plottable
 from rodgen.errors import AnalysisError, InputError
@@ -45,7 +48,6 @@ from rodgen.result import (
 )
 from rodgen.scene import Scene
 from rodgen.scene.mesh import mesh_notes
-from rodgen.scene.plain_tables import is_number
 from rodgen.system import System
 
 NARROWEST = 1e-6, 1e-9  # range that is searched: of EI/L^2, and of its ends
@@ -124,7 +126,12 @@ class Critical(StateResult, Plottable):
         Row("stiffness", "EI in it", "N m^2", text=lambda found: found._stiffness),
         Row("applied", "load of the scene", UNIT, ".9g", missing="follows the motion"),
         Row("load_ratio", "load ratio", "", ".6g", kept=ASKED, missing="not known"),
-        Row("kind", "kind", text=lambda found: found._kind, kept=WORD),
+        Row(
+            "kind",
+            "kind",
+            text=lambda found: found.kind + ", where stability is regained" * (found.end == LOWER),
+            kept=WORD,
+        ),
         Row("frequency", "frequency at onset", "Hz", kept=USUAL, error="frequency_error"),
         Row("frequency_error", "error of the frequency", "Hz", text=omit_from_tables, kept=ASKED),
         Row("modes", "modes", text=lambda found: " and ".join(map(str, sorted({*found.modes})))),
@@ -132,7 +139,11 @@ class Critical(StateResult, Plottable):
         Row("end", "end of the window", text=omit_from_tables),
         Row("state", "grows from the state"),
         Row("searched", "searched", UNIT, text=lambda found: found._range_text),
-        Row("complete", "modes looked at", text=lambda found: found._modes_text),
+        Row(
+            "complete",
+            "modes looked at",
+            text=lambda found: "all" if found.complete else f"the lowest {BASIS}",
+        ),
         Row("growth", "grows already", "1/s", text=lambda found: found._growth, kept=ASKED),
         Row("windows", "stable", UNIT, text=lambda found: found._windows),
         Row("turning", "apart from that", "1/s", text=lambda found: found._turning, kept=ASKED),
@@ -142,7 +153,7 @@ class Critical(StateResult, Plottable):
             "simulated",
             "by simulation",
             of=lambda found: found.simulated and found.simulated.to_dict(),
-            text=lambda found: found._simulation_rows,
+            text=lambda found: found.simulated and found.simulated.comparison_rows(found.value),
         ),
         *TIME,
     )
@@ -179,17 +190,9 @@ class Critical(StateResult, Plottable):
         return f"{self.stiffness:.10g} N m^2, {what}"
 
     @property
-    def _kind(self) -> str:
-        return self.kind + ", where stability is regained" * (self.end == LOWER)
-
-    @property
     def _range_text(self) -> str:
         low, high, count = self.searched
         return f"{low:g} to {high:g} {self.unit} at {count} sizes"
-
-    @property
-    def _modes_text(self) -> str:
-        return "all" if self.complete else f"the lowest {BASIS}"
 
     @property
     def _growth(self) -> str | None:
@@ -208,16 +211,11 @@ class Critical(StateResult, Plottable):
         turns = f"the rod turns as a whole, with {self.turning:.4g} 1/s"
         return turns if self.turning else None
 
-    @property
-    def _simulation_rows(self) -> dict[str, str]:
-        return {} if self.simulated is None else self.simulated._comparison_rows(self.value)
-
     def __repr__(self) -> str:
-        at = f" at {format_with_error(self.frequency, self.frequency_error)} Hz" * bool(
-            self.frequency
-        )
         ends = "ends" if self.end == LOWER else "from"
-        where = f"{ends} {format_with_error(self.value, self.error)} {self.unit}{at}"
+        where = f"{ends} {format_with_error(self.value, self.error)} {self.unit}"
+        if self.frequency:
+            where += f" at {format_with_error(self.frequency, self.frequency_error)} Hz"
         return f"<Critical {self.load} of {self.scene.name}: {self.kind} {where}>"
 
 
@@ -345,7 +343,7 @@ def critical_load(
         end=end,
         growth=growth,
         elastic=elastic,
-        windows=tuple(_refined_windows(search)) if windows else None,
+        windows=tuple(_windows(search, refined=True)) if windows else None,
         frequency_error=found.rate_error / (2 * np.pi),
         simulated=simulated,
         system=family.rod.system,
@@ -355,8 +353,7 @@ def critical_load(
 def _check_simulate(span: object, load: str | None) -> None:
     """Raise InputError for an unusable length of simulations, and for loads that they do not
     find."""
-    if not (is_number(span) and 0 < span < math.inf):
-        raise InputError("simulate", span, "a positive number of seconds")
+    check_positive(span, "simulate", "a positive number of seconds")
     if load not in (None, FOLLOWER):
         raise InputError("simulate", span, "absent: runs find a follower force alone")
 
@@ -366,7 +363,7 @@ def _simulate_critical(
 ) -> tuple[SimulatedCritical | None, tuple[Note, ...]]:
     """Find the critical force by simulations, with a doubt where it differs or is not found."""
     try:
-        found = simulate_critical(family, span, progress=progress)
+        found = bisect_growth(GrowthTest(family, span, progress=progress))
     except AnalysisError as error:
         return None, (doubt(f"by simulation: {error}"),)
     return found, tuple(find_difference(force, found, family))
@@ -389,32 +386,21 @@ def _describe_instability(search: LoadSearch, growth: float) -> str:
     low, unit = search.forces[0], unit_of(search.family.load.name)
     said = f"unstable already at the lowest size of the search, {low:g} {unit}: "
     said += f"a motion grows with {growth:.3g} 1/s"
-    found = [f"{a:.6g} to {b:.6g}" for a, b in _rough_windows(search)]
+    found = [f"{a:.6g} to {b:.6g}" for a, b in _windows(search, refined=False)]
     if not found:
         return said
     where = f"stable from {', '.join(found)} {unit}"
     return f"{said}; {where} (a lower bound within finds where that ends)"
 
 
-def _rough_windows(search: LoadSearch) -> list[tuple[float, float]]:
-    """Windows of stability, with ends by bisection."""
-    return _windows_between(search, lambda event: search.locate(event).force)
-
-
-def _refined_windows(search: LoadSearch) -> list[tuple[float, float]]:
-    """Windows of stability, with ends to the last digits."""
-    return _windows_between(search, lambda event: _refine_onset(search, search.locate(event)).force)
-
-
-def _windows_between(
-    search: LoadSearch, solved: Callable[[StabilityChange], float]
-) -> list[tuple[float, float]]:
-    events = list(search.stability_borders())
+def _windows(search: LoadSearch, refined: bool) -> list[tuple[float, float]]:
+    """Windows of stability, with ends by bisection, or refined to the last digits."""
+    changes = list(search.stability_borders())
     first, last = (float(search.forces[at]) for at in (0, -1))
-    ends = [first] * (
-        not (events[0].before if events else search.count_growing(search.forces[:1])[0])
-    )
-    ends += [solved(event) for event in events]
+    ends = [first] * (not (changes[0].before if changes else search.first_motions.n_growing[0]))
+    for change in changes:
+        near = search.locate(change)
+        ends.append((_refine_onset(search, near) if refined else near).force)
     ends += [last] * (len(ends) % 2)
     return list(zip(ends[::2], ends[1::2], strict=True))
 

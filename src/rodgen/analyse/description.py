@@ -179,11 +179,7 @@ def describe(system: System | Scene) -> Description:
         centre_of_gravity=np.asarray(start.values("centre_of_gravity")),
         fastest_motion=words,
         largest_stable_steps=limits,
-        notes=(
-            *system.doubts,
-            *([] if drifts is None else [drifts]),
-            *remarks(mesh_notes(scene)),
-        ),
+        notes=(*system.doubts, *([] if drifts is None else [drifts]), *remarks(mesh_notes(scene))),
         system=system,
     )
 

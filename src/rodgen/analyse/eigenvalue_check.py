@@ -10,7 +10,6 @@ import numpy as np
 
 from rodgen.analyse.eigenvalues import Complex, nearest_eigenvalues, square_roots
 from rodgen.analyse.load_family import LoadFamily
-from rodgen.analyse.load_search import LoadSearch
 from rodgen.analyse.modal import (
     MOST_DENSE,
     ROUNDING,
@@ -20,7 +19,7 @@ from rodgen.analyse.modal import (
     growth_beyond_rounding,
     rounding_growth,
 )
-from rodgen.analyse.onset import Onset
+from rodgen.analyse.onset import LoadSearch, Onset
 from rodgen.analyse.pencil import BlockPencil, DensePencil
 from rodgen.arrays import Array
 
@@ -34,13 +33,10 @@ NEAREST = 4  # eigenvalues next to an onset, of a rod of many links
 
 
 @dataclass(frozen=True)
-class FullSpectrum:
-    """Eigenvalues and their growth beyond rounding. s: [1/s] (k,), of undamped motions one of each
-    pair of opposites; growth (k,): real parts that are more than rounding, else 0; matrix: which
-    has the eigenvalues s, or s^2 if `squared`, if it was formed."""
+class FullSpectrum(ModalMotions):
+    """Small motions by eigenvalues of the full equations. matrix: which has the eigenvalues s, or
+    s^2 if `squared`, if it was formed."""
 
-    s: Complex
-    growth: Array
     squared: bool = False
     matrix: Array | None = None
 
@@ -75,14 +71,8 @@ class FullSpectrum:
         """Compute the eigenvalues nearest to s, of a rod of many links."""
         linear, state = family.linearise(load), family.steady_state(load)
         assert isinstance(linear, BlockPencil)
-        turning = state.rigid_rotation if state.has_free_rotation else None
-        found = nearest_eigenvalues(linear, s, NEAREST, turning)
+        found = nearest_eigenvalues(linear, s, NEAREST, state.free_rotation)
         return cls(found, growth_beyond_rounding(found, family.lowest_frequency, ALIKE))
-
-    @property
-    def n_growing(self) -> int:
-        """Number of growing motions."""
-        return int((self.growth > 0).sum())
 
     def growth_bound(self, s: complex) -> float:
         """Largest growth of the eigenvalue nearest to s that rounding errors allow."""

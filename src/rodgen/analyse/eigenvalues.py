@@ -123,7 +123,7 @@ def lowest_eigenvalues(pencil: BlockPencil, count: int, turning: Array | None) -
     turning: the rigid rotation of a rod that turns freely, whose eigenvalue zero is removed. Raises
     AnalysisError.
     """
-    linear = _without_turning(pencil, turning)
+    linear = MatrixPencil.without_rotation(pencil, turning)
     S0, S1, S2 = linear.parts
     size, factors = S0.shape[0], _factorise(S0)
 
@@ -154,7 +154,7 @@ def nearest_eigenvalues(
 ) -> Complex:
     """Compute the eigenvalues nearest to a number, by ARPACK with shift and invert. turning: the
     rigid rotation of a rod that turns freely. Raises AnalysisError."""
-    linear = _without_turning(pencil, turning)
+    linear = MatrixPencil.without_rotation(pencil, turning)
     S0, S1, S2 = linear.parts
     size, factors = S0.shape[0], _factorise(linear.at(complex(shift)))
 
@@ -171,14 +171,6 @@ def nearest_eigenvalues(
     except ArpackError:
         raise AnalysisError(f"the eigenvalues next to {shift:.3g} were not found") from None
     return np.asarray(shift + 1 / found)
-
-
-def _without_turning(pencil: BlockPencil, turning: Array | None) -> MatrixPencil:
-    return (
-        MatrixPencil.of(pencil)
-        if turning is None
-        else MatrixPencil.without_rotation(pencil, turning)
-    )
 
 
 def _factorise(S: Any) -> Any:

@@ -50,24 +50,17 @@ class JointForceBalance:
         """Residual of one in the last link's angle alone."""
         return np.pad([[1.0, 0.0, 0.0]], ((len(self.residual) - 1, 0), (0, 0)))
 
+    @property
+    def n_moving(self) -> int:
+        return len(self.residual)
+
     def dense_pencil(self) -> DensePencil:
         """Matrices of small undamped motions about this state."""
         dense = self.cells.to_dense()
         return DensePencil(dense.S0, np.zeros_like(dense.S0), dense.S2)
 
-    def square_of_growth(self) -> float:
-        """Square of the fastest growth of an undamped motion [1/s^2]; 0 where none grows, and for
-        more than MOST_DENSE links."""
-        if len(self.residual) > MOST_DENSE:
-            return 0.0
-        return _square_of_growth(self.cells.to_dense())
-
-    def stability_signature(self) -> int:
-        """Number of unstable undamped motions; for more than MOST_DENSE links the sign of the
-        determinant of the stiffness, which reveals odd changes only."""
-        if len(self.residual) <= MOST_DENSE:
-            dense = self.cells.to_dense()
-            return int((np.linalg.eigvals(np.linalg.solve(dense.S2, -dense.S0)).real > 0).sum())
+    def determinant_sign(self) -> int:
+        """Sign of the determinant of the stiffness."""
         return determinant_sign(splu(to_sparse(self.cells.statics)))
 
 
@@ -237,6 +230,10 @@ class DenseBalance:
         base = self.rod.n_base
         return float(np.abs(self.residual_jacobian[:base, :base]).max()) * self.rod.scene.rod.length
 
+    @property
+    def n_moving(self) -> int:
+        return self.rod.n_moving
+
     def dense_pencil(self) -> DensePencil:
         """Matrices of small motions about this state; derivatives by rates count only where loads
         depend on the motion."""
@@ -250,36 +247,33 @@ class DenseBalance:
         K, C, M = (self.basis.T @ part @ self.basis for part in parts)
         return DensePencil(K, C, M, added=size - half)
 
-    def square_of_growth(self) -> float:
-        """Square of the fastest growth of an undamped motion [1/s^2]; 0 beyond MOST_DENSE links."""
-        if self.rod.n_moving > MOST_DENSE:
-            return 0.0
-        K, M = (
-            -self.basis.T @ self.residual_jacobian @ self.basis,
-            self.basis.T @ self._reduced_mass @ self.basis,
-        )
-        return _square_of_growth(DensePencil(K, np.zeros_like(K), M))
-
-    def stability_signature(self) -> int:
-        """Number of unstable undamped motions; with added states, and for more than MOST_DENSE
-        links, the sign of the determinant, which reveals odd changes only."""
-        slope = self.basis.T @ self.residual_jacobian @ self.basis
-        if self.rod.scene.states or self.rod.n_moving > MOST_DENSE:
-            return int(np.linalg.slogdet(slope)[0])
-        mass = self.basis.T @ self._reduced_mass @ self.basis
-        return int((np.linalg.eigvals(np.linalg.solve(mass, slope)).real > 0).sum())
-
-
-def _square_of_growth(small: DensePencil) -> float:
-    """Square of the fastest growth [1/s^2], by the symmetric part of the stiffness."""
-    K = (small.S0 + small.S0.T) / 2
-    if not np.isfinite(K).all():
-        return 0.0
-    lowest = eigvalsh(K, (small.S2 + small.S2.T) / 2, subset_by_index=[0, 0])[0]
-    return max(0.0, -float(lowest))
+    def determinant_sign(self) -> int:
+        """Sign of the determinant of the negative stiffness."""
+        return int(np.linalg.slogdet(self.basis.T @ self.residual_jacobian @ self.basis)[0])
 
 
 Balance = JointForceBalance | DenseBalance
+
+
+def square_of_growth(here: Balance) -> float:
+    """Square of the fastest growth of an undamped motion [1/s^2], by the symmetric part of the
+    stiffness; 0 where none grows, and for more than MOST_DENSE links."""
+    if here.n_moving > MOST_DENSE:
+        return 0.0
+    small = here.dense_pencil()
+    own = slice(small.size - small.added)
+    K, M = ((part + part.T)[own, own] / 2 for part in (small.S0, small.S2))
+    if not np.isfinite(K).all():
+        return 0.0
+    return max(0.0, -float(eigvalsh(K, M, subset_by_index=[0, 0])[0]))
+
+
+def stability_signature(here: Balance) -> int:
+    """Number of unstable undamped motions; with added states, and for more than MOST_DENSE links,
+    the sign of the determinant of the stiffness, which reveals odd changes only."""
+    if here.n_moving > MOST_DENSE or (small := here.dense_pencil()).added:
+        return here.determinant_sign()
+    return int((np.linalg.eigvals(np.linalg.solve(small.S2, -small.S0)).real > 0).sum())
 
 
 def equilibrium_equations(

@@ -7,7 +7,12 @@ from contextlib import suppress
 
 import numpy as np
 
-from rodgen.analyse.equilibrium_equations import DenseBalance, equilibrium_equations
+from rodgen.analyse.analysis_guard import check_positive
+from rodgen.analyse.equilibrium_equations import (
+    DenseBalance,
+    equilibrium_equations,
+    square_of_growth,
+)
 from rodgen.analyse.load_stepping import (
     ITERATIONS,
     FoldError,
@@ -20,10 +25,9 @@ from rodgen.analyse.pencil import joint_forces
 from rodgen.analyse.steady_rod import SteadyRod, Unknowns
 from rodgen.analyse.support_springs import hanging_shape
 from rodgen.arrays import Array
-from rodgen.errors import AnalysisError, InputError
+from rodgen.errors import AnalysisError
 from rodgen.model.term import DRAG, FORCE, WEIGHT, Term
 from rodgen.model.terms import TERMS
-from rodgen.scene.plain_tables import is_number, to_plain
 
 MOST_BENT = 1.0  # rad of an imperfection
 NEAR_END = 1e-4  # rad
@@ -70,11 +74,8 @@ def _add_joint_forces(rod: SteadyRod, rest: Iterate, p: Array) -> Iterate:
 
 def check_imperfection(imperfection: float) -> float:
     """Check an imperfection [rad] and return it. Raises InputError."""
-    size = to_plain(imperfection, "imperfection")
-    if not (is_number(size) and 0 < size <= MOST_BENT):
-        allowed = f"an angle of the tail above 0 and at most {MOST_BENT:g} rad"
-        raise InputError("imperfection", imperfection, allowed)
-    return float(size)
+    allowed = f"an angle of the tail above 0 and at most {MOST_BENT:g} rad"
+    return check_positive(imperfection, "imperfection", allowed, MOST_BENT)
 
 
 def _find_rest(rod: SteadyRod, p: Array, bend: float) -> tuple[Iterate, tuple[float, ...]]:
@@ -198,7 +199,7 @@ def _hang(rod: SteadyRod, p: Array) -> Iterate:
     while rest.iterations < 100 * ITERATIONS:
         here = Loading(p).equations(rod, rest)
         residual = float(np.abs(here.rates).max())
-        first, falls = first or residual, here.square_of_growth()
+        first, falls = first or residual, square_of_growth(here)
         shift = CAUTION * falls
         if residual > NEAR * first:
             shift += residual * min(1.0, residual / first)

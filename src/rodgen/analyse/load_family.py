@@ -82,7 +82,7 @@ class LoadFamily:
             terms = abs(1 - x) * first.terms + abs(x) * last.terms
         return DensePencil(K, C, M, terms, first.added)
 
-    def without_rotation(self, force: float) -> BlockPencil | MatrixPencil:
+    def without_rotation(self, force: float) -> MatrixPencil:
         """Linearised equations without external damping and without rigid rotation; with supports,
         or loads that depend on the motion, the equations as they are."""
         state = self.steady_state(force)
@@ -90,12 +90,7 @@ class LoadFamily:
             here = self.linearise(force)
             assert not isinstance(here, BlockPencil)
             return MatrixPencil(*here.parts, here.terms)
-        pencil = state.pencil()
-        return (
-            MatrixPencil.without_rotation(pencil, state.rigid_rotation)
-            if state.has_free_rotation
-            else pencil
-        )
+        return MatrixPencil.without_rotation(state.pencil(), state.free_rotation)
 
     def modal_pencil(self, force: float) -> DensePencil:
         """Linearised equations in all modes of the unloaded rod, without rigid rotation where it is
@@ -120,7 +115,7 @@ class LoadFamily:
         turns = state.has_free_rotation
         always = turns and self.steady_state(self.unit).has_free_rotation
         if isinstance(pencil, BlockPencil) and pencil.n_moving > MOST_DENSE:
-            squares, found = lowest_shapes(pencil, BASIS, state.rigid_rotation if turns else None)
+            squares, found = lowest_shapes(pencil, BASIS, state.free_rotation)
             if turns and not always:
                 squares = np.append(0.0, squares)
                 found = np.column_stack((np.ones(len(found)), found))
@@ -254,12 +249,7 @@ class LoadFamily:
             all_of = [self._project(float(P), modes).parts for P in forces]
             K, C, M = (np.stack(parts) for parts in zip(*all_of, strict=True))
         frequencies = np.maximum(np.sqrt(np.abs(self._modes[0][:modes])), self.lowest_frequency)
-        return ModalEquations(K, C, M, frequencies, neutral, self._n_added_states)
-
-    @cached_property
-    def _n_added_states(self) -> int:
-        """Number of added states."""
-        return len(self.rod.system.structure.state_names)
+        return ModalEquations(K, C, M, frequencies, neutral, self.rod.n_added_states)
 
     def _project(self, force: float, modes: int) -> DensePencil:
         """Project the linearised equations on ``modes`` modes of the unloaded rod."""
@@ -279,7 +269,7 @@ class LoadFamily:
             first, last = (self.dense_pencil(P).parts for P in (0.0, far))
             x = force / far
             K, C, M = (a + x * (b - a) for a, b in zip(first, last, strict=True))
-            return DensePencil(K, C, M, added=self._n_added_states)
+            return DensePencil(K, C, M, added=self.rod.n_added_states)
         if force not in self._dense:
             while len(self._dense) > KEPT:
                 self._dense.pop(next(iter(self._dense)))

@@ -13,7 +13,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from rodgen.analyse.equilibrium_equations import Balance, equilibrium_equations
+from rodgen.analyse.equilibrium_equations import Balance, equilibrium_equations, stability_signature
 from rodgen.analyse.steady_rod import SteadyRod, Unknowns
 from rodgen.analyse.support_springs import SoftSprings, SupportSprings
 from rodgen.arrays import Array
@@ -95,7 +95,7 @@ def step_to_equilibrium(
     done, step, first = 0.0, 1.0, rest
     stages: list[float] = []
     here = at(0.0).equations(rod, rest)
-    signature, slope = here.stability_signature(), _tangent(here, at(ASIDE).equations(rod, rest))
+    signature, slope = stability_signature(here), _tangent(here, at(ASIDE).equations(rod, rest))
     last, length = slope, np.inf  # the tangent before, and the step from there
     while done < 1:
         report_stage(f"{done:.3g} of {way}")
@@ -128,7 +128,7 @@ def step_to_equilibrium(
             most = BENT * max(way_on, least) * (KINKED if step < SMALL else 1.0)
             bent = taken and away > most and 1 - done >= SMALL
             taken = taken and not bent
-        found = here.stability_signature() if taken else signature
+        found = stability_signature(here) if taken else signature
         if taken and (found == signature or smooth):
             last, length = slope, ahead
             rest, done, signature, slope = trial, fraction, found, tangent

@@ -9,7 +9,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from rodgen.analyse.analysis_guard import MODES, check_analysis_memory, guard_analysis
+from rodgen.analyse.analysis_guard import (
+    MODES,
+    check_analysis_memory,
+    check_whole_number,
+    guard_analysis,
+)
 from rodgen.analyse.eigenvalues import (
     MOST_DENSE,
     EigenSolution,
@@ -24,12 +29,10 @@ from rodgen.analyse.steady_rod import TIME, StateResult, SteadyRod, state_after
 from rodgen.analyse.steady_state import SteadyState, find_steady_state, linearise
 from rodgen.arrays import Array
 from rodgen.display import Plottable
-from rodgen.errors import InputError
 from rodgen.progress import report_stage
 from rodgen.result import ASKED, FLAG, Note, Row, StudyStorage, doubt, omit_from_tables, remarks
 from rodgen.scene import Scene
 from rodgen.scene.mesh import mesh_notes
-from rodgen.scene.plain_tables import to_plain
 from rodgen.system import System
 
 DENSE = 24  # links up to which all eigenvalues are computed; the lowest alone beyond
@@ -194,9 +197,7 @@ def natural_modes(
     >>> modes.frequencies.round(3)
     array([0.276, 0.432, 1.725])
     """
-    count = to_plain(count, "count")
-    if not isinstance(count, int) or count < 1:
-        raise InputError("count", count, "a whole number of at least 1")
+    count = check_whole_number(count, "count", 1)
     system = System.of(system)
     check_analysis_memory(MODES, system, count=count, few=max(DENSE, 3 * count))
     system, t = state_after(system, t, speed, after)
@@ -263,7 +264,7 @@ def _find_eigenvalues(
         )
     asked = count
     while True:
-        found = lowest_eigenvalues(pencil, asked, state.rigid_rotation if turns else None)
+        found = lowest_eigenvalues(pencil, asked, state.free_rotation)
         if len(_select_modes(found.s, count)[1]) >= count or asked >= FARTHEST * count:
             return found
         asked *= 2  # overdamped motions have taken the places

@@ -73,13 +73,11 @@ class ImplicitBlocks:
         parts = rod.model.implicit(rod.t, y, p, np.zeros(rod.n_moving), force)
         if not all(np.isfinite(part).all() for part in parts):
             raise AnalysisError("the linearised equations are not finite")
-        return cls(*parts, *([cls._joint_derivatives(rod, y, p)] if rod.has_supports else []))
-
-    @staticmethod
-    def _joint_derivatives(rod: SteadyRod, y: Array, p: Array) -> Array:
-        """Derivatives of the joints at the ends of moving links by the angles."""
+        made = cls(*parts)
+        if not rod.has_supports:
+            return made
         joints = np.arange(rod.scene.n_fixed_links, rod.scene.rod.links + 1)
-        return rod.joint_derivatives(y, p, joints)[..., rod.n_base :]
+        return replace(made, ways=rod.joint_derivatives(y, p, joints)[..., rod.n_base :])
 
     @property
     def statics(self) -> Array:
@@ -232,10 +230,12 @@ class MatrixPencil(QuadraticPencil):
         return cls(*map(_to_full if linear.size <= SMALL else to_sparse, linear.parts))
 
     @classmethod
-    def without_rotation(cls, pencil: BlockPencil, turning: Array) -> MatrixPencil:
+    def without_rotation(cls, pencil: BlockPencil, turning: Array | None) -> MatrixPencil:
         """Remove the eigenvalue zero of the rigid rotation of a rod that turns freely: the first
         angle is held, and a moment that only turns the rod as a whole makes up for it. turning:
-        columns (3 cells,) of the rigid rotation."""
+        columns (3 cells,) of the rigid rotation, None where it is not free."""
+        if turning is None:
+            return cls.of(pencil)
         S0, S1, S2 = map(to_sparse, pencil.parts)
         first = csc_array(([1.0], ([0], [0])), shape=(1, len(turning)))
         moment = csc_array((S2 @ turning)[:, None])

@@ -11,7 +11,12 @@ from typing import Any
 
 import numpy as np
 
-from rodgen.analyse.analysis_guard import OpenBounds, check_open_bounds, guard_analysis
+from rodgen.analyse.analysis_guard import (
+    OpenBounds,
+    check_open_bounds,
+    check_positive,
+    guard_analysis,
+)
 from rodgen.analyse.load_family import HIGHEST, LoadFamily, load_family
 from rodgen.analyse.steady_rod import Unknowns
 from rodgen.arrays import Array
@@ -130,7 +135,7 @@ class SimulatedCritical(Result):
         module = "C" if self.target == "c" else "NumPy"
         return f"{self.runs} of {self.span:g} s in {self.seconds:.3g} s, in {module}"
 
-    def _comparison_rows(self, value: float) -> dict[str, str]:
+    def comparison_rows(self, value: float) -> dict[str, str]:
         """Rows of a table, in comparison with the force by eigenvalues [N]."""
         away = self.value / value - 1 if value else 0.0
         low, high = f"{self.low:.6g} N (no growth)", f"{self.high:.6g} N (growth)"
@@ -237,30 +242,17 @@ def simulated_critical_load(
     check_settings_used(family.rod.system.with_settings(**given).settings, given)
     over = 1.0 if growth is None else growth - 1
     for name, value in (("span", span), ("growth - 1", over), ("tolerance", tolerance)):
-        if not (np.isfinite(value) and value > 0):
-            raise InputError(name, value, "positive")
+        check_positive(value, name, "positive")
     settings = {name: value for name, value in given.items() if value is not None}
-    return simulate_critical(
-        family, span, growth, tolerance, bounds, disturbance, progress, target, settings
-    )
+    run = GrowthTest(family, span, growth, disturbance, progress, target, settings)
+    return bisect_growth(run, tolerance, bounds)
 
 
-def simulate_critical(
-    family: LoadFamily,
-    span: float,
-    growth: float | None = None,
-    tolerance: float = TOLERANCE,
-    bounds: OpenBounds = (None, None),
-    disturbance: str | None = None,
-    progress: Callable[[float, bool], None] = lambda force, grew: None,
-    target: str | None = None,
-    given: Mapping[str, Any] = MappingProxyType({}),
+def bisect_growth(
+    run: GrowthTest, tolerance: float = TOLERANCE, bounds: OpenBounds = (None, None)
 ) -> SimulatedCritical:
-    """Find the critical follower force of a family, as `simulated_critical_load` does; given:
-    settings in [integrate]."""
-    begun = time.perf_counter()
-    settings: dict[str, Any] = TOLERANCES[growth is None] | {**given}
-    run = _GrowthTest(family, span, growth, disturbance, progress, target, settings)
+    """Find the smallest force under which a motion grows, as `simulated_critical_load` does."""
+    begun, family = time.perf_counter(), run.family
     if run.model.PROVENANCE["target"] == "numpy":
         report_stage("simulating with NumPy, which takes long: no C module can be built")
     lower, upper = _bracket(run, bounds, family.unit)
@@ -271,8 +263,8 @@ def simulate_critical(
         value=(lower + upper) / 2,
         low=lower,
         high=upper,
-        span=span,
-        growth=growth,
+        span=run.span,
+        growth=run.growth,
         runs=run.count,
         seconds=time.perf_counter() - begun,
         target=run.model.PROVENANCE["target"],
@@ -309,7 +301,7 @@ def find_difference(
     yield doubt(words, **figures)
 
 
-def _bracket(run: _GrowthTest, bounds: OpenBounds, unit: float) -> tuple[float, float]:
+def _bracket(run: GrowthTest, bounds: OpenBounds, unit: float) -> tuple[float, float]:
     """Bracket the critical force by one without and one with growth."""
     low, high = check_open_bounds(bounds)
     lower = low or 0.0
@@ -328,28 +320,29 @@ def _bracket(run: _GrowthTest, bounds: OpenBounds, unit: float) -> tuple[float, 
     return lower, upper
 
 
-class _GrowthTest:
-    """Simulations of a scene, each under another size of a load."""
+class GrowthTest:
+    """Simulations of a scene, each under another size of a load; given: settings in [integrate]."""
 
     def __init__(
         self,
         family: LoadFamily,
         span: float,
-        growth: float | None,
-        disturbance: str | None,
-        progress: Callable[[float, bool], None],
-        target: str | None,
-        settings: dict[str, Any],
+        growth: float | None = None,
+        disturbance: str | None = None,
+        progress: Callable[[float, bool], None] = lambda force, grew: None,
+        target: str | None = None,
+        given: Mapping[str, Any] = MappingProxyType({}),
     ):
         self.family, self.span, self.growth, self.progress = family, span, growth, progress
-        self.settings, self.count = settings, 0
+        settings = self.settings = TOLERANCES[growth is None] | {**given}
+        self.count = 0
         system = family.rod.system
         self.model = system.model(target)
         self.seen = growth or MEASURED
         self.start = _disturbance_angles(system.scene, disturbance, AMPLITUDE[growth is None])
         self.ends = np.linspace(0.0, span, PIECES + 1)
-        given = system.with_settings(**settings).settings
-        if given.has_fixed_step and (step := given.step):
+        complete = system.with_settings(**settings).settings
+        if complete.has_fixed_step and (step := complete.step):
             # A piece of whole steps: every shortened one would disturb the fastest motions.
             piece = max(1, round(span / PIECES / step)) * step
             self.ends = np.append(np.arange(0.0, span - piece / 2, piece), span)

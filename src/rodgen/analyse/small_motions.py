@@ -33,7 +33,7 @@ class SmallMotions:
         self.start, self.smooth = start, smooth
         every = every or start.rod.n_moving <= MODES
         linear = self._linearise(start)
-        self.added = len(start.rod.scene.states)
+        self.added = start.rod.n_added_states
         self.dragged = isinstance(linear, DensePencil)
         squares, self.basis = _modes(start, linear, every)
         rates = np.sqrt(np.abs(squares))
@@ -111,9 +111,7 @@ def _modes(
 ) -> tuple[Array, Array]:
     """Squared frequencies and shapes (coordinates, k), the slowest first."""
     if isinstance(linear, BlockPencil) and linear.n_moving > MOST_DENSE:
-        return lowest_shapes(
-            linear, MODES, start.rigid_rotation if start.has_free_rotation else None
-        )
+        return lowest_shapes(linear, MODES, start.free_rotation)
     squares, found = all_shapes(linear.to_dense())
     order = np.argsort(np.abs(squares), kind="stable")
     if isinstance(linear, BlockPencil):  # turning alone, which every load leaves as it is

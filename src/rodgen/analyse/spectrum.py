@@ -10,6 +10,7 @@ from scipy.fft import rfft, rfftfreq
 from scipy.signal import detrend
 from scipy.signal.windows import general_cosine
 
+from rodgen.analyse.analysis_guard import check_positive, check_whole_number
 from rodgen.arrays import Array
 from rodgen.display import Plottable
 from rodgen.errors import AnalysisError, InputError, check_type
@@ -95,8 +96,7 @@ def find_peaks(
     """
     if window not in WINDOWS:
         raise InputError("window", window, " or ".join(f'"{name}"' for name in WINDOWS))
-    if not isinstance(peaks, int) or peaks < 1:
-        raise InputError("peaks", peaks, "a whole number of at least 1")
+    peaks = check_whole_number(peaks, "peaks", 1)
     if not 0 <= floor < 1:
         raise InputError("floor", floor, "a number of at least 0 and less than 1")
     H = len(WINDOWS[window])
@@ -154,8 +154,7 @@ def _check_samples(t: Array, signal: Array) -> tuple[float, Array]:
 def _check_length(dt: float, count: int, H: int, lowest: float | None) -> None:
     if lowest is None:
         return
-    if not (np.isfinite(lowest) and lowest > 0):
-        raise InputError("lowest", lowest, "a finite number greater than 0")
+    lowest = check_positive(lowest, "lowest", "a finite number greater than 0")
     if count * dt * lowest < 2 * H * (1 - 1e-9):
         raise AnalysisError(
             f"signal of {count * dt:.6g} s is too short for {lowest:.6g} Hz: {2 * H} periods, "

@@ -94,7 +94,11 @@ class Equilibrium(StateResult, Plottable):
             "phi", "angles of the links", "rad", text=omit_from_tables, kept=StudyStorage(several=4)
         ),
         Row("states", "{}", format=".12g"),
-        Row("iterations", "Newton iterations", text=lambda rest: rest._iterations),
+        Row(
+            "iterations",
+            "Newton iterations",
+            text=lambda rest: f"{rest.iterations}, the last correction {rest.change:.1e} rad",
+        ),
         Row("stages", "load stages", text=lambda rest: rest._stages),
         Row("stable", "stable", text=lambda rest: rest._stable, kept=FLAG),
         Row("instability", "instability", text=omit_from_tables, kept=replace(WORD, usual=False)),
@@ -120,10 +124,6 @@ class Equilibrium(StateResult, Plottable):
             larger = "a larger imperfection" if self.imperfection else "imperfection 0.01"
             words += f"; {larger} looks for a stable one beside it"
         return (doubt(words),)
-
-    @property
-    def _iterations(self) -> str:
-        return f"{self.iterations}, the last correction {self.change:.1e} rad"
 
     @property
     def _stages(self) -> str:

@@ -164,7 +164,7 @@ class SteadyRod(HasInstant):
     @cached_property
     def has_feedback(self) -> bool:
         """Whether loads depend on the motion, or states are added."""
-        return self.system.structure.has_feedback or bool(self.system.structure.state_names)
+        return self.system.structure.has_feedback or bool(self.n_added_states)
 
     @cached_property
     def has_joint_force_unknowns(self) -> bool:
@@ -181,6 +181,11 @@ class SteadyRod(HasInstant):
     def n_moving(self) -> int:
         """Number of moving links."""
         return self.system.structure.links - self.system.boundary_condition.first
+
+    @cached_property
+    def n_added_states(self) -> int:
+        """Number of added states, whose equations of first order are the last rows."""
+        return len(self.system.structure.state_names)
 
     def start_unknowns(self, phi: Array) -> Unknowns:
         """Unknowns for angles of the moving links [rad], without joint forces; joint 0 where it is
@@ -212,7 +217,7 @@ class SteadyRod(HasInstant):
     def state_at_rest(self, at: Unknowns) -> Array:
         """State y (states,) without velocities."""
         base, half = self.n_base, self.n_base + self.n_moving
-        y = np.zeros(2 * half + len(self.system.structure.state_names))
+        y = np.zeros(2 * half + self.n_added_states)
         y[:base], y[base:half], y[2 * half :] = at.position, at.phi, at.added
         return y
 

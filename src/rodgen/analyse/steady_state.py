@@ -126,6 +126,11 @@ class SteadyState:
         return bool((np.abs(made) <= STEADY * sizes).all())
 
     @property
+    def free_rotation(self) -> Array | None:
+        """Rigid rotation, where it is free; else None."""
+        return self.rigid_rotation if self.has_free_rotation else None
+
+    @property
     def rigid_rotation(self) -> Array:
         """Rigid rotation as a vector of a pencil (3 cells,), with the joint forces turned too."""
         across = self.joint_forces @ np.array([[0.0, 1.0], [-1.0, 0.0]])
@@ -150,7 +155,7 @@ class SteadyState:
         """Whether drag depends on small velocities of the joints to first order, by more than a
         force along the straight rod, which does not act on small motions across it."""
         rod = self.rod
-        if has_kinked_load(rod) and not rod.speed:
+        if any(TERMS[term].kinked for term in rod.scene.loads.terms) and not rod.speed:
             return True
         if not (has_drag(rod) and rod.speed):
             return bool(self.implicit_blocks.by_velocity.any())
@@ -285,11 +290,6 @@ def _is_joint_at_rest(rod: SteadyRod, at: Unknowns, p: Array) -> bool:
 def has_drag(rod: SteadyRod) -> bool:
     """Whether a load depends on the velocities of the joints."""
     return any(TERMS[term].kind == DRAG for term in rod.scene.loads.terms)
-
-
-def has_kinked_load(rod: SteadyRod) -> bool:
-    """Whether a load has no linear part about a bent state at rest."""
-    return any(TERMS[term].kinked for term in rod.scene.loads.terms)
 
 
 def linearise(state: SteadyState) -> BlockPencil | DensePencil:

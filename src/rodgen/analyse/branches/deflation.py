@@ -10,9 +10,8 @@ from rodgen.analyse.analysis_guard import EQUILIBRIA, check_analysis_memory, gua
 from rodgen.analyse.bordered import BorderedMatrix
 from rodgen.analyse.branches.equilibria import Equilibria
 from rodgen.analyse.branches.equilibrium_problems import equilibrium_problem
-from rodgen.analyse.curves.branch_switching import switch_branch
-from rodgen.analyse.curves.continuation import StepControl, continue_curve, start_point
-from rodgen.analyse.curves.curve import BRANCH, NOISE, Curve
+from rodgen.analyse.curves.continuation import StepControl, continue_curve, switch_branch
+from rodgen.analyse.curves.curve import BRANCH, NOISE, start_point
 from rodgen.analyse.scaled_load import RodRange
 from rodgen.analyse.statics import Equilibrium, equilibrium_of, static_equilibrium
 from rodgen.analyse.steady_rod import SteadyRod
@@ -119,7 +118,8 @@ def _follow_branches(problem: Equilibria, u: Array) -> list[Array]:
         return found
     while waiting and len(seen) < MOST_BRANCHES:
         curve = waiting.pop(0)
-        found += [one for one in _full_load_ends(curve) if _is_new(problem, one, found)]
+        ends = [p.u for p in (curve.points[0], curve.points[-1]) if p.u[-1] == 1.0]
+        found += [one for one in ends if _is_new(problem, one, found)]
         for special in curve.special:
             if (
                 special.kind == BRANCH
@@ -130,10 +130,6 @@ def _follow_branches(problem: Equilibria, u: Array) -> list[Array]:
                 curve = switch_branch(problem, special, (0.0, 1.0), STEPS)
                 waiting.append(curve.raise_interrupt())
     return found
-
-
-def _full_load_ends(curve: Curve) -> list[Array]:
-    return [p.u for p in (curve.points[0], curve.points[-1]) if p.u[-1] == 1.0]
 
 
 def _is_new(problem: Equilibria, u: Array, known: list[Array]) -> bool:

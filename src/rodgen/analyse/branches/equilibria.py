@@ -7,7 +7,6 @@ from abc import abstractmethod
 
 import numpy as np
 
-from rodgen.analyse.curves.continuation import start_point
 from rodgen.analyse.curves.curve import (
     BRANCH,
     ContinuationProblem,
@@ -15,8 +14,9 @@ from rodgen.analyse.curves.curve import (
     CurvePoint,
     SpecialPoint,
     correct,
+    start_point,
 )
-from rodgen.analyse.curves.special_points import point_on_chord
+from rodgen.analyse.curves.special_points import Chord
 from rodgen.analyse.eigenvalue_check import FullSpectrum, is_contradiction
 from rodgen.analyse.eigenvalues import Complex
 from rodgen.analyse.modal import MOST_DENSE, growing_eigenvalue
@@ -133,8 +133,8 @@ class Equilibria(ContinuationProblem):
         the turning of a free rod as a whole is left out."""
         here = self.steady_state(u)
         linear = linearise(here)
-        if not s and isinstance(linear, BlockPencil) and here.has_free_rotation:
-            return MatrixPencil.without_rotation(linear, here.rigid_rotation)
+        if not s and isinstance(linear, BlockPencil):
+            return MatrixPencil.without_rotation(linear, here.free_rotation)
         return linear
 
 
@@ -172,7 +172,7 @@ def _inner_point(
     for part in PARTS:
         share = left + part * (right - left)
         try:
-            return share, point_on_chord(problem, a, b, share)
+            return share, Chord(problem, a, b).point(share)
         except AnalysisError as error:
             failed = failed or error
             if a.sign * b.sign > 0:

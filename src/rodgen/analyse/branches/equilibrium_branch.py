@@ -18,8 +18,12 @@ from rodgen.analyse.branches.equilibria import Equilibria, has_doubtful_counts
 from rodgen.analyse.branches.equilibrium_data import SavedPoint, dataset, read_point
 from rodgen.analyse.branches.equilibrium_problems import equilibrium_problem
 from rodgen.analyse.branches.steady_motions import SteadyMotions, motion_from_state, motion_problem
-from rodgen.analyse.curves.branch_switching import select_special, switch_branch
-from rodgen.analyse.curves.continuation import StepControl, continue_curve, resume_point
+from rodgen.analyse.curves.continuation import (
+    StepControl,
+    continue_curve,
+    select_special,
+    switch_branch,
+)
 from rodgen.analyse.curves.curve import (
     Curve,
     CurvePoint,
@@ -27,6 +31,7 @@ from rodgen.analyse.curves.curve import (
     correct,
     follow_both_ways,
     point_at,
+    resume_point,
 )
 from rodgen.analyse.curves.curve_datasets import extend, make_dataset
 from rodgen.analyse.curves.mesh_check import add_mesh_doubts, double_links
@@ -250,8 +255,8 @@ def _resume_point(problem: Equilibria, before: SavedPoint) -> CurvePoint:
     AnalysisError if it is no solution."""
     rod = problem.along.rod(before.values[0])
     p = problem.along.numbers.parameters(before.values[0])
-    here, *others = (
+    points = [
         problem.pack(problem.restore(rod, p, y, force), value)
         for (y, force), value in zip(before.states, before.values, strict=True)
-    )
-    return resume_point(problem, here, others[0] if others else None, "equilibrium")
+    ]
+    return resume_point(problem, points, "equilibrium")

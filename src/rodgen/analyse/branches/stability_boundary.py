@@ -15,10 +15,9 @@ from rodgen.analyse.analysis_guard import (
 )
 from rodgen.analyse.branches.boundary_equations import BoundaryProblem, ParameterPlane, Scale
 from rodgen.analyse.branches.stability_region import (
-    GROWS,
-    ROUNDED,
     Ends,
     OutlineTracer,
+    count_growing,
     eigenvalues_at,
 )
 from rodgen.analyse.critical import Critical, critical_load
@@ -235,8 +234,7 @@ def _first_crossing(
 
     def growth_at(x: float) -> tuple[int, complex]:
         s = eigenvalues_at(plane, scale.value(x), b)
-        grows = s.real > GROWS * np.abs(s) + ROUNDED * np.abs(s).max(initial=0.0)
-        return int(grows.sum()), complex(s[np.argmax(s.real)])
+        return count_growing(s), complex(s[np.argmax(s.real)])
 
     xs = np.linspace(*limits, GRID)
     low, before = float(xs[0]), growth_at(float(xs[0]))[0]

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from rodgen.analyse.branches.boundary_equations import BoundaryProblem, ParameterPlane
-from rodgen.analyse.curves.continuation import StepControl, continue_curve, resume_point
+from rodgen.analyse.curves.continuation import StepControl, continue_curve
 from rodgen.analyse.curves.curve import (
     Curve,
     CurvePoint,
@@ -19,8 +19,9 @@ from rodgen.analyse.curves.curve import (
     correct,
     follow_both_ways,
     point_at,
+    resume_point,
 )
-from rodgen.analyse.curves.special_points import locate
+from rodgen.analyse.curves.special_points import Chord
 from rodgen.analyse.pencil import first_order_matrix
 from rodgen.arrays import Array
 from rodgen.errors import AnalysisError
@@ -64,12 +65,8 @@ class OutlineTracer:
 
     def resume(self, boundary: BoundaryProblem, points: list[Array]) -> Curve:
         """Resume the outline from the first of these points, away from the second."""
-        here, *others = points
-        boundary.adapt_to(here)
-        other = others[0] if others else None
-        return self._trace_on(
-            boundary, resume_point(boundary, here, other, "point of the boundary")
-        )
+        boundary.adapt_to(points[0])
+        return self._trace_on(boundary, resume_point(boundary, points, "point of the boundary"))
 
     def _trace_on(self, boundary: BoundaryProblem, first: CurvePoint) -> Curve:
         """Follow the outline from a point along its tangent, through corners. Points of the result
@@ -148,7 +145,7 @@ class OutlineTracer:
         here = side.points[-1]
         boundary.adapt_to(here.u)
         try:
-            corner = locate(boundary, here, beyond, lambda point: _margin(boundary, point.u))
+            corner = Chord(boundary, here, beyond).locate(lambda point: _margin(boundary, point.u))
         except AnalysisError:
             return None, "", 0.0
         s = _other_eigenvalues(boundary, corner.u)
@@ -171,11 +168,11 @@ class OutlineTracer:
         if slow:
             u[0] = SLOW + 1
         other.adapt_to(u)
-        last = _unit_row(len(u), 0 if slow else -1)
+        last = np.eye(len(u))[0 if slow else -1]
         try:
             found = correct(other, u, last)
         except AnalysisError:
-            last = _unit_row(len(u), -2)
+            last = np.eye(len(u))[-2]
             found = correct(other, u, last)
         first = point_at(other, found, last)
         ways = [first.tangent, -first.tangent]
@@ -187,12 +184,6 @@ class OutlineTracer:
             raise AnalysisError("which way the boundary goes on cannot be told")
         other.adapt_to(found.u)
         return other, point_at(other, found, other.weights * free[0])
-
-
-def _unit_row(size: int, at: int) -> Array:
-    row = np.zeros(size)
-    row[at] = 1.0
-    return row
 
 
 def eigenvalues_at(plane: ParameterPlane, a: float, b: float) -> Any:
@@ -213,16 +204,14 @@ def _other_eigenvalues(boundary: BoundaryProblem, u: Array) -> Any:
     return s[np.argsort(apart)[own:]]
 
 
+def count_growing(s: Any) -> int:
+    """Number of eigenvalues that grow beyond rounding."""
+    return int((s.real > GROWS * np.abs(s) + ROUNDED * np.abs(s).max(initial=0.0)).sum())
+
+
 def has_other_growth(boundary: BoundaryProblem, u: Array) -> bool:
     """Whether a motion grows at a boundary point other than the one whose boundary it is."""
-    s = _other_eigenvalues(boundary, u)
-    return bool((s.real > GROWS * np.abs(s) + ROUNDED * np.abs(s).max(initial=0.0)).any())
-
-
-def _squares(s: Any) -> Any:
-    """Distinct squares of undamped eigenvalues, in ascending order."""
-    squares = s**2
-    return squares[np.argsort(squares.real)][::2]
+    return count_growing(_other_eigenvalues(boundary, u)) > 0
 
 
 def _margin(boundary: BoundaryProblem, u: Array) -> float:
@@ -230,7 +219,8 @@ def _margin(boundary: BoundaryProblem, u: Array) -> float:
     s = _other_eigenvalues(boundary, u)
     if boundary.damped:
         return -float(s.real.max(initial=-np.inf))
-    squares = _squares(s) / np.abs(s).max() ** 2
+    squares = s**2  # of undamped motions, in pairs
+    squares = squares[np.argsort(squares.real)][::2] / np.abs(s).max() ** 2
     meeting = [float(((p - q) ** 2).real) for p, q in pairwise(squares)]
     return min([*meeting, -float(squares.real.max())])
 
@@ -278,7 +268,7 @@ def _find_cusp(boundary: BoundaryProblem, a: CurvePoint, b: CurvePoint) -> Array
     way = (after - before) / np.linalg.norm(after - before)
     boundary.adapt_to(a.u)
     try:
-        here = locate(boundary, a, b, lambda point: float(point.tangent[-2:] @ way))
+        here = Chord(boundary, a, b).locate(lambda point: float(point.tangent[-2:] @ way))
     except AnalysisError:
         return None
     return here.u if np.linalg.norm(here.tangent[-2:]) < POINTED else None

@@ -139,8 +139,12 @@ class SteadyMotions(Equilibria):
         rate = float(turning[0]) if self.turns else 0.0
         return SteadyMotion(rod, rod.start_unknowns(phi), p, velocity, rate)
 
-    def _balance(self, state: SteadyState) -> _Balance:
+    def _motion(self, u: Array) -> SteadyMotion:
+        state = self.steady_state(u)
         assert isinstance(state, SteadyMotion)
+        return state
+
+    def _balance(self, state: SteadyMotion) -> _Balance:
         made = _Balance.of(state)
         return made if self.moves else made.angle_rows(self.base)
 
@@ -154,8 +158,7 @@ class SteadyMotions(Equilibria):
         return np.asarray(slope)
 
     def evaluate(self, u: Array) -> tuple[Array, Array]:
-        here = self.steady_state(u)
-        assert isinstance(here, SteadyMotion)
+        here = self._motion(u)
         made = self._balance(here)
         F = made.rates
         by_value = np.zeros(len(F))
@@ -194,8 +197,7 @@ class SteadyMotions(Equilibria):
     def _matrix(self, u: Array) -> Array:
         """Matrix of small motions in the moving frame. Where directions are alike, the zero
         eigenvalue of turning the whole rod is replaced by a decay as fast as its largest entry."""
-        state = self.steady_state(u)
-        assert isinstance(state, SteadyMotion)
+        state = self._motion(u)
         if state.has_kink and state.is_straight:
             raise AnalysisError("external damping has no linear part along the straight rod")
         made, size = self._balance(state), self.cells
@@ -214,7 +216,7 @@ class SteadyMotions(Equilibria):
 
     def count_unstable(self, u: Array) -> int | None:
         try:
-            return FullSpectrum.of_matrix(self._matrix(u)).n_growing
+            return int(FullSpectrum.of_matrix(self._matrix(u)).n_growing)
         except AnalysisError as error:
             self.why_unknown = self.why_unknown or str(error)
             return None
@@ -279,6 +281,4 @@ def motion_problem(
         raise InputError("motion", where, " or ".join(map(repr, ways)))
     guess = motion_from_state(rod, rod.system.p, ways[where]())
     problem = SteadyMotions(along, guess)
-    found = problem.steady_state(problem.solve_near(guess, value))
-    assert isinstance(found, SteadyMotion)
-    return SteadyMotions(along, found)
+    return SteadyMotions(along, problem._motion(problem.solve_near(guess, value)))

@@ -15,7 +15,13 @@ from types import ModuleType
 
 import numpy as np
 
-from rodgen.analyse.analysis_guard import EXPONENTS, check_analysis_memory, guard_analysis
+from rodgen.analyse.analysis_guard import (
+    EXPONENTS,
+    check_analysis_memory,
+    check_positive,
+    check_whole_number,
+    guard_analysis,
+)
 from rodgen.analyse.chaos.metrics import Metric, zero_exponents
 from rodgen.analyse.chaos.poincare import LEAST, decimate, zero_one_test
 from rodgen.arrays import Array
@@ -203,18 +209,17 @@ def lyapunov_exponents(
     """
     system = System.of(system)
     start, end = system.settings.span
-    length = end - start if span is None else _check_seconds("span", span)
+    length = end - start if span is None else check_positive(span, "span", "seconds above 0")
     states = len(system.y0)
-    whole = isinstance(count, int | np.integer) and not isinstance(count, bool)
-    if count is not None and not (whole and 1 <= count <= states):
-        raise InputError("count", count, f"from 1 to {states}, the numbers of the state")
+    allowed = f"from 1 to {states}, the numbers of the state"
+    count = states if count is None else check_whole_number(count, "count", 1, states, allowed)
     skipped = TRANSIENT * length if transient is None else transient
     if not 0 <= skipped < length:
         raise InputError("transient", transient, f"from 0 to below the span, {length:g} s")
-    check_analysis_memory(EXPONENTS, system, count=count or 0)
+    check_analysis_memory(EXPONENTS, system, count=count)
     over = with_span(system.scene, start, start + length)
     model = model if model is not None else system.model(parts=PARTS)
-    course = _TangentMotion(over, system.p, model, count or states, progress)
+    course = _TangentMotion(over, system.p, model, count, progress)
     progress(start)
     try:
         if skipped:
@@ -224,12 +229,6 @@ def lyapunov_exponents(
     except StepError as error:
         raise AnalysisError(f"{system.name}: the motion cannot go on: {error}") from None
     return _average_rates(over, course, rates, signal, skipped, before)
-
-
-def _check_seconds(name: str, value: float) -> float:
-    if not (math.isfinite(value) and value > 0):
-        raise InputError(name, value, "seconds above 0")
-    return float(value)
 
 
 class _TangentMotion:

@@ -1,4 +1,5 @@
-"""Pseudo-arclength continuation of a curve F(u) = 0 with its special points (H. B. Keller,
+"""Pseudo-arclength continuation of a curve F(u) = 0 with its special points, and
+branch switching at these (H. B. Keller,
 Numerical solution of bifurcation and nonlinear eigenvalue problems, 1977).
 
 A step goes along the tangent t and returns to the curve in the plane normal to it, by Newton's
@@ -7,7 +8,7 @@ method on F bordered by that plane. The bordered equations are regular at folds,
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Collection, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -21,6 +22,7 @@ from rodgen.analyse.curves.curve import (
     CurvePoint,
     SpecialPoint,
     correct,
+    follow_both_ways,
     point_at,
 )
 from rodgen.analyse.curves.journal import Step, current_journal
@@ -30,6 +32,7 @@ from rodgen.errors import AnalysisError, InputError
 from rodgen.progress import report_stage
 from rodgen.result import Note, doubt
 
+END_OF_RANGE = "the end of the range was reached"
 QUICK = 4  # iterations after which the next step is longer
 STRAIGHT, TURNED = 0.98, 0.9  # cosine between two tangents: for a longer step, at least
 ASTRAY = 0.5  # of a step, by which it may be corrected at most
@@ -38,7 +41,6 @@ FEW = 5  # points after which a branch may have closed in itself
 # Of the longest step: over so short a one changes of stability, or of the sign of a determinant,
 # may have no reason that was found.
 RESOLVED, PASSED = 1 / 64, 1e-4
-OFF = 1e-6  # by which the point of a file may be corrected
 
 
 @dataclass(frozen=True)
@@ -57,38 +59,6 @@ class StepControl:
         step = check_positive(step, "step", "a number above 0 and at most 1", 1.0)
         max_points = check_whole_number(max_points, "max_points", 2)
         return cls(first=step / parts, least=least, longest=step, max_points=max_points)
-
-
-def start_point(problem: ContinuationProblem, u: Array, way: float = 1.0) -> CurvePoint:
-    """Correct u at its parameter to the first point of a curve, with a tangent along which the
-    parameter grows (way 1) or falls (-1). Raises AnalysisError where u is near no solution."""
-    last = np.append(np.zeros(len(u) - 1), 1.0)
-    found = correct(problem, u, last)
-    point = point_at(problem, found, last)
-    if point.tangent[-1] * way < 0:
-        point = point._replace(tangent=-point.tangent, sign=-point.sign)
-    return point
-
-
-def resume_point(
-    problem: ContinuationProblem, here: Array, other: Array | None, what: str
-) -> CurvePoint:
-    """Correct a point read from a file, with a tangent that leads away from another one; without
-    that, the parameter grows. Raises AnalysisError, which names what the point should be, if it is
-    no solution."""
-    way = np.append(np.zeros(len(here) - 1), 1.0) if other is None else here - other
-    way = way / problem.length(way)
-    try:
-        found = correct(problem, here, problem.weights * way)
-        astray = problem.length(found.u - here)
-    except AnalysisError:
-        astray = np.inf
-    if astray > OFF:
-        raise AnalysisError(
-            f"the point of the file is no {what} of this scene"
-            f" (Newton's method leads {astray:.1e} away from it)"
-        )
-    return point_at(problem, found, way)
 
 
 def continue_curve(
@@ -146,7 +116,8 @@ class _Follower:
             journal.begin(self.problem, start)
         while not curve.end:
             here = curve.points[-1]
-            if self._end_if_outward(here):
+            if self._is_outward(here):
+                curve.end, curve.complete = END_OF_RANGE, True
                 break
             step = None if journal is None else journal.next_step()
             if step is None:
@@ -177,13 +148,6 @@ class _Follower:
                 return None
         return step
 
-    def _end_if_outward(self, here: CurvePoint) -> bool:
-        """Whether the tangent leads out of the range; the curve then ends at this point."""
-        if not self._is_outward(here):
-            return False
-        self.curve.end, self.curve.complete = "the end of the range was reached", True
-        return True
-
     def _is_outward(self, here: CurvePoint) -> bool:
         away = here.tangent[-1]
         return (here.value <= self.low and away < 0) or (here.value >= self.high and away > 0)
@@ -191,7 +155,7 @@ class _Follower:
     def _check_end(self, point: CurvePoint, h: float) -> None:
         curve, start = self.curve, self.curve.points[0]
         if point.value in (self.low, self.high):
-            curve.end, curve.complete = "the end of the range was reached", True
+            curve.end, curve.complete = END_OF_RANGE, True
         elif why := self.until(curve):
             curve.end, curve.complete = why, True
         elif len(curve.points) >= self.steps.max_points:
@@ -276,3 +240,51 @@ class _Follower:
         words += f"{a.unstable} to {b.unstable} where no special point was found"
         note = doubt(words, value=value, before=a.unstable, after=b.unstable)
         return special, note, RESOLVED, self.before
+
+
+def select_special(
+    found: Sequence[SpecialPoint], number: object, kinds: Collection[str] = (BRANCH,)
+) -> SpecialPoint:
+    """Select a special point of these kinds by its number, from 1. Raises InputError."""
+    count = len(found)
+    what = f"the number of a special point of the branch, 1 to {count}"
+    what = what if count else "absent: no special point was found"
+    special = found[check_whole_number(number, "branch_point", 1, count, what) - 1]
+    if special.kind not in kinds:
+        names = ", ".join(f"{at}: {one.kind}" for at, one in enumerate(found, 1))
+        raise InputError(
+            "branch_point", number, f"a {' or '.join(kinds)} point (there are {names})"
+        )
+    return special
+
+
+def switch_branch(
+    problem: ContinuationProblem,
+    special: SpecialPoint,
+    bounds: tuple[float, float],
+    steps: StepControl,
+    callback: Callable[[CurvePoint], None] = lambda point: None,
+) -> Curve:
+    """Follow the other branch through a branch point, both ways, until it leaves the range."""
+    assert special.ways is not None
+    other = special.ways[1]
+
+    def follow(way: float) -> Curve:
+        start = CurvePoint(special.u, way * other, None, 0)
+        return continue_curve(problem, start, *bounds, steps, callback=callback)
+
+    curve = follow_both_ways(follow)
+    (*_, at) = (number for number, point in enumerate(curve.points) if point.u is special.u)
+    return insert_special(curve, at, special)
+
+
+def insert_special(curve: Curve, at: int, special: SpecialPoint) -> Curve:
+    """Enter in a curve the special point of its parent, which is its point number `at`."""
+    # What neither grows nor decays in the branch point would be counted by its rounding.
+    beside = curve.points[at - 1 : at] + curve.points[at + 1 : at + 2]
+    unstable = min((one.unstable for one in beside if one.unstable is not None), default=None)
+    curve.points[at] = curve.points[at]._replace(unstable=unstable)
+    curve.special = sorted(
+        [*curve.special, special._replace(after=max(at - 1, 0))], key=lambda one: one.after
+    )
+    return curve

@@ -16,10 +16,9 @@ from rodgen.errors import AnalysisError
 from rodgen.result import Note
 
 ITERATIONS = 10  # of Newton's method for one point
-SETTLED, NOISE = (
-    1e-13,
-    1e-9,
-)  # a correction that is none; one that is rounding if it shrinks no more
+SETTLED = 1e-13  # a correction that is none
+NOISE = 1e-9  # a correction that is rounding, if it shrinks no more
+OFF = 1e-6  # by which the point of a file may be corrected
 FOLD, BRANCH = "fold", "branch"
 
 
@@ -116,15 +115,10 @@ class Curve:
 def follow_both_ways(follow: Callable[[float], Curve]) -> Curve:
     """Follow a curve to both sides of its start (-1.0, then 1.0) and join the two halves. If Ctrl-C
     stops the first side, the other one is not followed."""
-    back = follow(-1.0)
+    back = follow(-1.0).reverse()
     if back.interrupted:
-        return back.reverse()
-    return join(back, follow(1.0))
-
-
-def join(back: Curve, on: Curve) -> Curve:
-    """Join two curves that begin at the same point, the first one reversed."""
-    back = back.reverse()
+        return back
+    on = follow(1.0)
     more = len(back.points) - 1
     special = [one._replace(after=one.after + more) for one in on.special]
     return Curve(
@@ -164,15 +158,41 @@ def correct(problem: ContinuationProblem, guess: Array, row: Array) -> Correctio
     raise AnalysisError("Newton's method does not converge")
 
 
-def tangent_at(problem: ContinuationProblem, J: Matrix, like: Array) -> tuple[Array, int]:
-    """Unit tangent of a curve with the Jacobian J, on the side of another tangent (like), and the
-    sign of the determinant of J bordered by that one."""
-    factors = BorderedMatrix(J, (problem.weights * like)[None])
-    t = factors.solve(np.append(np.zeros(len(like) - 1), 1.0))
-    return t / problem.length(t), factors.determinant_sign
-
-
 def point_at(problem: ContinuationProblem, found: Correction, like: Array) -> CurvePoint:
-    """Complete a corrected point by its tangent, on the side of another one, and its stability."""
-    t, sign = tangent_at(problem, found.J, like)
-    return CurvePoint(found.u, t, problem.count_unstable(found.u), sign)
+    """Complete a corrected point by its tangent, on the side of another one (like), which borders
+    the Jacobian, and by its stability."""
+    factors = BorderedMatrix(found.J, (problem.weights * like)[None])
+    t = factors.solve(np.append(np.zeros(len(like) - 1), 1.0))
+    t, unstable = t / problem.length(t), problem.count_unstable(found.u)
+    return CurvePoint(found.u, t, unstable, factors.determinant_sign)
+
+
+def start_point(problem: ContinuationProblem, u: Array, way: float = 1.0) -> CurvePoint:
+    """Correct u at its parameter to the first point of a curve, with a tangent along which the
+    parameter grows (way 1) or falls (-1). Raises AnalysisError where u is near no solution."""
+    last = np.append(np.zeros(len(u) - 1), 1.0)
+    found = correct(problem, u, last)
+    point = point_at(problem, found, last)
+    if point.tangent[-1] * way < 0:
+        point = point._replace(tangent=-point.tangent, sign=-point.sign)
+    return point
+
+
+def resume_point(problem: ContinuationProblem, points: list[Array], what: str) -> CurvePoint:
+    """Correct the first of these points of a file, with a tangent that leads away from the second;
+    without that, the parameter grows. Raises AnalysisError, which names what the point should be,
+    if it is no solution."""
+    here = points[0]
+    way = here - points[1] if len(points) > 1 else np.append(np.zeros(len(here) - 1), 1.0)
+    way = way / problem.length(way)
+    try:
+        found = correct(problem, here, problem.weights * way)
+        astray = problem.length(found.u - here)
+    except AnalysisError:
+        astray = np.inf
+    if astray > OFF:
+        raise AnalysisError(
+            f"the point of the file is no {what} of this scene"
+            f" (Newton's method leads {astray:.1e} away from it)"
+        )
+    return point_at(problem, found, way)

@@ -41,7 +41,7 @@ def find_special_points(
         found.append(locate_branch_point(problem, a, b))
     # In a branch point, which has no sign, a branch that is left may have a fold.
     if a.sign and a.tangent[-1] * b.tangent[-1] < 0:
-        fold = locate(problem, a, b, lambda point: float(point.tangent[-1]))
+        fold = Chord(problem, a, b).locate(lambda point: float(point.tangent[-1]))
         found.append(SpecialPoint(FOLD, fold.u))
     if a.unstable is not None and b.unstable is not None and a.unstable != b.unstable:
         found += problem.crossings(a, b)
@@ -49,25 +49,7 @@ def find_special_points(
     return sorted(found, key=lambda one: float(row @ one.u))
 
 
-def locate(
-    problem: ContinuationProblem,
-    a: CurvePoint,
-    b: CurvePoint,
-    measure: Callable[[CurvePoint], float],
-) -> CurvePoint:
-    """Find the point of a curve between two others at which a test function that changes its sign
-    is zero, to rounding. Raises AnalysisError."""
-    return _Chord(problem, a, b).locate_zero(measure)
-
-
-def point_on_chord(
-    problem: ContinuationProblem, a: CurvePoint, b: CurvePoint, share: float
-) -> CurvePoint:
-    """Find the point of a curve at a share (0 to 1) of the way between two others."""
-    return _Chord(problem, a, b).point(share)
-
-
-class _Chord:
+class Chord:
     """The part of a curve between two points, by the share of the way along the tangent of the
     first."""
 
@@ -77,6 +59,7 @@ class _Chord:
         self.reach = float(self.row @ (b.u - a.u))
 
     def point(self, share: float) -> CurvePoint:
+        """Find the point of the curve at a share (0 to 1) of the way."""
         a, b = self.a, self.b
         if share in (0, 1):
             return b if share else a
@@ -88,7 +71,9 @@ class _Chord:
         guess = guess + h * (x * y * y * a.tangent - x * x * y * along)
         return point_at(self.problem, correct(self.problem, guess, self.row), a.tangent)
 
-    def locate_zero(self, measure: Callable[[CurvePoint], float]) -> CurvePoint:
+    def locate(self, measure: Callable[[CurvePoint], float]) -> CurvePoint:
+        """Find the point at which a test function that changes its sign is zero, to rounding.
+        Raises AnalysisError."""
         try:
             share = brentq(lambda x: measure(self.point(x)), 0.0, 1.0, xtol=CLOSE, rtol=4 * CLOSE)
         except ValueError:

@@ -18,21 +18,22 @@ from rodgen.analyse.analysis_guard import (
     guard_analysis,
 )
 from rodgen.analyse.branches.equilibria import HOPF
-from rodgen.analyse.curves.branch_switching import insert_special, select_special, switch_branch
 from rodgen.analyse.curves.continuation import (
     StepControl,
     continue_curve,
-    resume_point,
-    start_point,
+    insert_special,
+    select_special,
+    switch_branch,
 )
 from rodgen.analyse.curves.curve import (
     BRANCH,
     Curve,
     CurvePoint,
-    SpecialPoint,
     correct,
     follow_both_ways,
     point_at,
+    resume_point,
+    start_point,
 )
 from rodgen.analyse.curves.curve_datasets import extend, make_dataset
 from rodgen.analyse.curves.mesh_check import add_mesh_doubts, double_links
@@ -236,15 +237,21 @@ class CycleTracer:
             orbits.append(Orbit(x, one.t, one.period, one.angle, float(np.ptp(x, axis=0).max())))
         problem = self._make_problem(quotient, orbits[0], here.value)
         values = [one.value for one in cycles]
-        u, *others = (problem.pack(*one) for one in zip(orbits, values, strict=True))
-        first = resume_point(problem, u, others[0] if others else None, "cycle")
-        return CycleBranch(problem, self._trace(problem, first))
+        points = [problem.pack(*one) for one in zip(orbits, values, strict=True)]
+        return CycleBranch(problem, self._trace(problem, resume_point(problem, points, "cycle")))
 
     def switch(self, branch: CycleBranch, number: object) -> CycleBranch:
-        """Switch to the branch at a special point of another one, as its file numbers them."""
-        return CycleBranch(
-            *switch_cycles(branch.problem, branch.special, number, self.steps, self._on_point)
-        )
+        """Switch to the branch at a special point of another one, as its file numbers them. Raises
+        InputError for a point of another kind, AnalysisError."""
+        problem = branch.problem
+        special = select_special(branch.special, number, (BRANCH, PERIOD_DOUBLING))
+        if special.kind == BRANCH:
+            curve = switch_branch(problem, special, self._bounds, self.steps, self._on_point)
+            return CycleBranch(problem, curve)
+        twice, u, way = _double_period(problem, special.u)
+        # Both ways along it are the same cycles, half a period apart.
+        curve = self._trace(twice, CurvePoint(u, way, None, 0))
+        return CycleBranch(twice, insert_special(curve, 0, special._replace(u=u)))
 
     def _make_problem(self, quotient: SymmetryReduction, orbit: Orbit, value: float) -> CycleFamily:
         """Set up the continuation problem about an orbit at a value."""
@@ -253,31 +260,15 @@ class CycleTracer:
         return CycleFamily(self.search, self.along, quotient, orbit, value, turns)
 
     def _trace(self, problem: CycleFamily, first: CurvePoint) -> Curve:
+        return continue_curve(problem, first, *self._bounds, self.steps, callback=self._on_point)
+
+    @property
+    def _bounds(self) -> tuple[float, float]:
         low, high = sorted(end / self.along.unit for end in self.along.bounds)
-        return continue_curve(problem, first, low, high, self.steps, callback=self._on_point)
+        return low, high
 
     def _on_point(self, point: CurvePoint) -> None:
         self.callback(point.value * self.along.unit)
-
-
-def switch_cycles(
-    problem: CycleFamily,
-    found: list[SpecialPoint],
-    number: object,
-    steps: StepControl,
-    callback: Callable[[CurvePoint], None],
-) -> tuple[CycleFamily, Curve]:
-    """Switch to the branch through a special point, by its number; returns the problem and the
-    curve. callback: called with every point. Raises InputError for a point of another kind,
-    AnalysisError."""
-    special = select_special(found, number, (BRANCH, PERIOD_DOUBLING))
-    low, high = sorted(end / problem.along.unit for end in problem.along.bounds)
-    if special.kind == BRANCH:
-        return problem, switch_branch(problem, special, (low, high), steps, callback)
-    twice, u, way = _double_period(problem, special.u)
-    # Both ways along it are the same cycles, half a period apart.
-    curve = continue_curve(twice, CurvePoint(u, way, None, 0), low, high, steps, callback=callback)
-    return twice, insert_special(curve, 0, special._replace(u=u))
 
 
 def _double_period(problem: CycleFamily, u: Array) -> tuple[CycleFamily, Array, Array]:

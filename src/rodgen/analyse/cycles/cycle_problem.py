@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from rodgen.analyse.curves.curve import ContinuationProblem, CurvePoint, SpecialPoint
-from rodgen.analyse.curves.special_points import locate
+from rodgen.analyse.curves.special_points import Chord
 from rodgen.analyse.cycles.cycle_result import STABLE, nontrivial
 from rodgen.analyse.cycles.cycle_search import CycleSearch
 from rodgen.analyse.cycles.elimination import Complex, CondensedSystem
@@ -252,7 +252,7 @@ class CycleFamily(OrbitProblem):
                 return of(self.multipliers(point.u))
 
             try:
-                here = locate(self, before, after, test_function)
+                here = Chord(self, before, after).locate(test_function)
             except AnalysisError:
                 continue
             mu = self.multipliers(here.u)

@@ -80,8 +80,8 @@ class CycleSearch:
 
     @cached_property
     def _plain_system(self) -> System:
-        """The system for runs, without its events and limits."""
-        return transient.without_run_options(self.system)
+        """The system for runs, without its events, its limit of steps and its output times."""
+        return self.system.at({"events": [], "integrate.max_steps": None, "integrate.t_eval": None})
 
     def period_at(self, system: System) -> float:
         """The period of the loads [s] of a system that differs in a number, 0 where they do not

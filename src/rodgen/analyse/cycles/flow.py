@@ -1,4 +1,5 @@
-"""Flow of a module: the motion from a state on, and the tangents that it carries along."""
+"""Flow of a module: the motion from a state on, the tangents that it carries along, and what it
+conserves."""
 
 from __future__ import annotations
 
@@ -18,6 +19,7 @@ from rodgen.integrate.variations import StepSettings, Variations
 # what it is allowed, measured on stiff cycles of 20 to 200 links.
 TOLERANCES = {"dop853": (1e-11, 1e-14), "radau": (1e-9, 1e-12)}
 MANY = 7_000  # steps of dop853 in a period, beyond which those of radau are fewer and cheaper
+NUDGE = 1e-5  # of differences of the gradient of what is conserved: errors are its square
 ABSENT = 0.3  # damping ratio from which the fastest motion, gone before the cycle, stays away
 
 
@@ -62,7 +64,7 @@ class Flow:
 
     def state_after(self, t: float, x: Array, span: float) -> Array:
         """State (size,) after a span [s], from x at time t on. Raises AnalysisError."""
-        return self._integrate(t, x, span, np.zeros((len(x), 0)))[0]
+        return self.state_and_tangents_after(t, x, span, np.zeros((len(x), 0)))[0]
 
     def segment_states(self, t: float, x: Array, period: float, segments: int) -> Array:
         """States (segments, size) at the starts of equal segments of a period [s], from x at time t
@@ -77,10 +79,7 @@ class Flow:
     ) -> tuple[Array, Array]:
         """State (size,) after a span [s], and the directions V (size, k), by default all, carried
         along with it (size, k). Raises AnalysisError."""
-        return self._integrate(t, x, span, np.eye(len(x)) if V is None else V)
-
-    def _integrate(self, t: float, x: Array, span: float, V: Array) -> tuple[Array, Array]:
-        kept = self.quotient.kept
+        V, kept = np.eye(len(x)) if V is None else V, self.quotient.kept
         y = self.quotient.lift(x)
         directions = np.zeros((V.shape[1], len(y)))
         directions[:, kept] = V.T
@@ -95,3 +94,40 @@ class Flow:
         if not (np.isfinite(end).all() and np.isfinite(grown).all()):
             raise AnalysisError("the motion cannot be followed: it leaves the range of numbers")
         return end, grown
+
+
+@dataclass(frozen=True)
+class ConservedQuantities:
+    """Conserved quantities of a flow without dissipation: energy and, where the rod may be turned,
+    angular momentum; of a free rod relative to its centre of gravity."""
+
+    flow: Flow
+
+    def values(self, x: Array) -> Array:
+        """Energy [J] and, where the rod may be turned, angular momentum [kg m^2/s], (k,)."""
+        flow, q = self.flow, self.flow.quotient
+        y = q.lift(x)
+        half = len(y) // 2
+        mass = flow.model.mass_matrix(y, flow.p)
+        inner = np.setdiff1d(np.arange(half), q.kept[: q.positions])
+        own = q.kept[: q.positions]
+        if len(inner):  # joint 0 moves so that the centre of gravity rests
+            lean = np.linalg.solve(mass[np.ix_(inner, inner)], mass[np.ix_(inner, own)])
+            mass = mass[np.ix_(own, own)] - mass[np.ix_(own, inner)] @ lean
+        u = x[q.positions :]
+        at_rest = y.copy()
+        at_rest[half:] = 0.0
+        _, spring, gravity = flow.model.energy(at_rest, flow.p)
+        potential = spring if len(inner) else spring + gravity
+        energy = 0.5 * float(u @ mass @ u) + float(potential)
+        turned = [float(q.turning(x)[: q.positions] @ mass @ u)] if q.turns else []
+        return np.array([energy, *turned])
+
+    def gradients(self, x: Array) -> Array:
+        """Derivatives of the conserved quantities by the state (k, size)."""
+        columns = []
+        for k in range(len(x)):
+            d = np.zeros(len(x))
+            d[k] = NUDGE * max(1.0, float(np.abs(x).max()))
+            columns.append((self.values(x + d) - self.values(x - d)) / (2 * d[k]))
+        return np.array(columns).T

@@ -146,7 +146,9 @@ def normal_form(
     indices of states that are angles, and rates of angles or places. Raises AnalysisError where the
     equations are not smooth."""
     A = J(x)
-    q, p = _critical_vectors(A, frequency)
+    s, left, right = scipy.linalg.eig(A, left=True)
+    nearest = int(np.abs(s - 1j * frequency).argmin())
+    q, p = right[:, nearest], left[:, nearest]
     q = q / q[angles[np.abs(q[angles]).argmax()]]
     p = p / (p.conj() @ q).conj()
     # Rates are as large as the frequency: the others tell how far a direction goes.
@@ -160,12 +162,6 @@ def normal_form(
             "no normal form: the equations are not smooth there, as with external damping or drag"
         )
     return q, c
-
-
-def _critical_vectors(A: Array, frequency: float) -> tuple[Complex, Complex]:
-    s, left, right = scipy.linalg.eig(A, left=True)
-    k = int(np.abs(s - 1j * frequency).argmin())
-    return right[:, k], left[:, k]
 
 
 def _coefficient(
@@ -247,11 +243,15 @@ def _find_first(rod: SteadyRod, along: ParameterRange) -> tuple[Equilibria, Spec
     """Find the first Hopf point of the branch that begins with the steady state of a rod. Raises
     AnalysisError where there is none, and KeyboardInterrupt."""
     state, (low, high) = find_steady_state(rod), along.bounds
+
+    def stop_reason(curve: Curve) -> str:
+        return "a Hopf point was found" if curve.special and curve.special[-1].kind == HOPF else ""
+
     for all_modes in (False, True):
         problem = equilibrium_problem(RodRange(rod, along), state, all_modes)
         first = problem.first_point(problem.pack(state, low), float(np.sign(high - low)))
         ends = problem.scale(min(low, high)), problem.scale(max(low, high))
-        curve = continue_curve(problem, first, *ends, STEPS, until=_stop_reason).raise_interrupt()
+        curve = continue_curve(problem, first, *ends, STEPS, until=stop_reason).raise_interrupt()
         if not has_doubtful_counts(problem, curve):
             break
     for special in curve.special:
@@ -260,11 +260,6 @@ def _find_first(rod: SteadyRod, along: ParameterRange) -> tuple[Equilibria, Spec
     why = "no oscillation about the equilibrium begins to grow there"
     why = why if curve.complete else f"the branch of equilibria ends: {curve.end}"
     raise AnalysisError(f"no Hopf point from {low:.9g} to {high:.9g}: {problem.why_unknown or why}")
-
-
-def _stop_reason(curve: Curve) -> str:
-    """Reason to stop following a branch, if it has come to a Hopf point."""
-    return "a Hopf point was found" if curve.special and curve.special[-1].kind == HOPF else ""
 
 
 def _hopf_and_flow(

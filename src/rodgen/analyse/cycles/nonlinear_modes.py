@@ -24,12 +24,11 @@ from rodgen.analyse.analysis_guard import (
 from rodgen.analyse.curves.continuation import StepControl, continue_curve
 from rodgen.analyse.curves.curve import Curve, CurvePoint, correct, point_at
 from rodgen.analyse.curves.curve_datasets import SPECIAL_ROWS, CurveFormat, make_dataset
-from rodgen.analyse.cycles.conserved_quantities import ConservedQuantities
 from rodgen.analyse.cycles.cycle_problem import OrbitProblem
 from rodgen.analyse.cycles.cycle_result import Cycle
 from rodgen.analyse.cycles.cycle_search import CycleSearch, check_segments
 from rodgen.analyse.cycles.elimination import Complex
-from rodgen.analyse.cycles.flow import Flow
+from rodgen.analyse.cycles.flow import ConservedQuantities, Flow
 from rodgen.analyse.cycles.periodicity import Orbit
 from rodgen.analyse.cycles.shooting import SEGMENTS, Shooting
 from rodgen.analyse.steady_rod import SteadyRod

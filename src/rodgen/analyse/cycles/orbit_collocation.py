@@ -13,7 +13,6 @@ stiff rod they give multipliers that do not exist.
 from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
-from functools import lru_cache
 
 import numpy as np
 from numpy.polynomial import Polynomial
@@ -24,6 +23,7 @@ from rodgen.arrays import Array
 from rodgen.errors import AnalysisError
 
 STAGES = 5
+ORDER = 2 * STAGES - 1  # of states at the ends of steps
 FIRST, GROWTH = 24, 1.7  # intervals at first, and times these for a finer mesh
 LEAST_GROWTH, MOST_GROWTH, MARGIN = 1.3, 2.5, 1.2
 MOST_FIRST, MOST, ROOM = 200, 600, 2e7  # the last: numbers in derivatives of the rates
@@ -32,54 +32,31 @@ QUADRATIC = 1e-6  # of the size of the motion: the last correction by derivative
 ENOUGH = 1e-9  # what is left of the error of the period, the state and the larger multipliers
 
 
-@dataclass(frozen=True, eq=False)
-class Nodes:
-    """A collocation method. c (s,): nodes as shares of a step; A (s, s): integrals, up to each
-    node, of the polynomial through rates; degree: s, of the states; order: at ends of steps."""
-
-    c: Array
-    A: Array
-
-    @property
-    def degree(self) -> int:
-        return len(self.c)
-
-    @property
-    def order(self) -> int:
-        return 2 * len(self.c) - 1
-
-    def interpolation_weights(self, shares: Array) -> Array:
-        """Weights (K, s + 1) of the states at the start and at the nodes, to interpolate at shares
-        (K,) of the step."""
-        return _lagrange(np.append(0.0, self.c), shares)
-
-    @property
-    def derivative_weights(self) -> Array:
-        """Weights (s + 1,) of the states at the start and at the nodes, for the highest derivative
-        of their polynomial, by the share of the step, over the factorial of its degree."""
-        at = np.append(0.0, self.c)
-        apart = at[:, None] - at + np.eye(len(at))
-        return 1 / np.asarray(apart.prod(axis=1))
-
-
-@lru_cache
-def radau(stages: int) -> Nodes:
-    """Radau IIA method with so many stages."""
+def _radau_nodes() -> tuple[Array, Array]:
+    """Nodes (s,) of Radau IIA as shares of a step, and integrals (s, s), up to each node, of the
+    polynomial through rates at them."""
     # The zeros of the derivative of order s - 1 of x^(s-1) (x - 1)^s.
     x = Polynomial([0.0, 1.0])
-    c = np.sort((x ** (stages - 1) * (x - 1) ** stages).deriv(stages - 1).roots().real)
+    c = np.sort((x ** (STAGES - 1) * (x - 1) ** STAGES).deriv(STAGES - 1).roots().real)
     c[-1] = 1.0
-    powers = np.arange(stages)
-    left = np.vander(c, stages, increasing=True)
-    A = (c[:, None] ** (powers + 1) / (powers + 1)) @ np.linalg.inv(left)
-    return Nodes(c, A)
+    powers = np.arange(STAGES)
+    left = np.vander(c, STAGES, increasing=True)
+    return c, (c[:, None] ** (powers + 1) / (powers + 1)) @ np.linalg.inv(left)
 
 
-def _lagrange(at: Array, shares: Array) -> Array:
-    """Values (K, nodes) at shares (K,) of the Lagrange polynomials: 1 at one node, 0 at others."""
-    made = np.ones((len(shares), len(at)))
-    for j, node in enumerate(at):
-        for other in np.delete(at, j):
+NODES, INTEGRALS = _radau_nodes()
+POINTS = np.append(0.0, NODES)  # start and nodes, through whose states a polynomial goes
+# Weights (s + 1,) of these states for its highest derivative, by the share of the step, over the
+# factorial of its degree.
+HIGHEST = 1 / (POINTS[:, None] - POINTS + np.eye(len(POINTS))).prod(axis=1)
+
+
+def _interpolation_weights(shares: Array) -> Array:
+    """Weights (K, s + 1) of the states at the start and at the nodes, to interpolate at shares (K,)
+    of the step."""
+    made = np.ones((len(shares), len(POINTS)))
+    for j, node in enumerate(POINTS):
+        for other in np.delete(POINTS, j):
             made[:, j] *= (shares - other) / (node - other)
     return made
 
@@ -91,13 +68,12 @@ class CollocationOrbit(Orbit):
 
     mesh: Array = field(default_factory=lambda: np.zeros(0), repr=False)
     inner: Array = field(default_factory=lambda: np.zeros(0), repr=False)
-    nodes: Nodes = field(default_factory=lambda: radau(STAGES), repr=False)
 
     @property
     def times(self) -> Array:
         """Times of the nodes (m, s) [s]."""
         lengths = np.diff(self.mesh)
-        shares = self.mesh[:-1, None] + lengths[:, None] * self.nodes.c
+        shares = self.mesh[:-1, None] + lengths[:, None] * NODES
         return self.t + self.period * shares
 
     @property
@@ -110,12 +86,12 @@ class CollocationOrbit(Orbit):
         m = len(self.x)
         of = np.clip(np.searchsorted(self.mesh, shares, side="right") - 1, 0, m - 1)
         within = (shares - self.mesh[of]) / np.diff(self.mesh)[of]
-        weights = self.nodes.interpolation_weights(within)
+        weights = _interpolation_weights(within)
         return np.asarray(np.einsum("kj,kji->ki", weights, self.all_states[of]))
 
     def interpolate(self, mesh: Array) -> CollocationOrbit:
         """Interpolate the orbit on another mesh."""
-        shares = mesh[:-1, None] + np.diff(mesh)[:, None] * self.nodes.c
+        shares = mesh[:-1, None] + np.diff(mesh)[:, None] * NODES
         inner = self.states(shares.ravel()).reshape(*shares.shape, -1)
         return replace(self, mesh=mesh, x=self.states(mesh[:-1]), inner=inner, change=np.inf)
 
@@ -123,14 +99,14 @@ class CollocationOrbit(Orbit):
         """Mesh of so many intervals that equidistributes the error, estimated by the next
         derivative of the polynomials over the size of the motion (R. D. Russell, J. Christiansen,
         SIAM J. Numer. Anal. 15 (1978) 59)."""
-        lengths, degree = np.diff(self.mesh), self.nodes.degree
+        lengths = np.diff(self.mesh)
         scale = np.ptp(self.inner, axis=(0, 1))
         scale = np.maximum(scale, 1e-6 * scale.max())
-        highest = np.einsum("j,mji->mi", self.nodes.derivative_weights, self.all_states) / scale
-        highest = highest / lengths[:, None] ** degree
+        highest = np.einsum("j,mji->mi", HIGHEST, self.all_states) / scale
+        highest = highest / lengths[:, None] ** STAGES
         apart = (lengths + np.roll(lengths, 1)) / 2
         jumps = np.linalg.norm(highest - np.roll(highest, 1, axis=0), axis=1) / apart
-        density = ((jumps + np.roll(jumps, -1)) / 2) ** (1 / (degree + 1))
+        density = ((jumps + np.roll(jumps, -1)) / 2) ** (1 / (STAGES + 1))
         density = np.maximum(density, 0.1 * (density @ lengths))
         grown = np.append(0.0, np.cumsum(density * lengths))
         mesh = np.interp(np.linspace(0.0, grown[-1], count + 1), grown, self.mesh)
@@ -140,10 +116,10 @@ class CollocationOrbit(Orbit):
     @classmethod
     def from_lap(cls, lap: Lap, count: int) -> CollocationOrbit:
         """Make an orbit from a lap, on a mesh of so many equal intervals."""
-        mesh, nodes = np.linspace(0.0, 1.0, count + 1), radau(STAGES)
-        inner = lap.states(mesh[:-1, None] + np.diff(mesh)[:, None] * nodes.c)
+        mesh = np.linspace(0.0, 1.0, count + 1)
+        inner = lap.states(mesh[:-1, None] + np.diff(mesh)[:, None] * NODES)
         known = vars(lap.to_orbit(1)) | {"x": lap.states(mesh[:-1])}
-        return cls(**known, mesh=mesh, inner=inner, nodes=nodes)
+        return cls(**known, mesh=mesh, inner=inner)
 
 
 class OrbitCollocation(NewtonSolver[CollocationOrbit]):
@@ -161,7 +137,7 @@ class OrbitCollocation(NewtonSolver[CollocationOrbit]):
                 orbit,
                 self.solve(orbit.interpolate(orbit.refine_mesh(count)), QUADRATIC),
             )
-            finer = (count / len(before.x)) ** orbit.nodes.order - 1
+            finer = (count / len(before.x)) ** ORDER - 1
             orbit = replace(
                 orbit,
                 error=max(self._difference(orbit, before) / finer, self._trivial_error(orbit)),
@@ -189,7 +165,7 @@ class OrbitCollocation(NewtonSolver[CollocationOrbit]):
         """Number of intervals of the next mesh, from the error and the order of the method."""
         growth = GROWTH
         if orbit.error:
-            growth = MARGIN * (orbit.error / ENOUGH) ** (1 / orbit.nodes.order)
+            growth = MARGIN * (orbit.error / ENOUGH) ** (1 / ORDER)
         growth = min(max(growth, LEAST_GROWTH), MOST_GROWTH)
         return min(self._max_intervals, round(growth * len(orbit.x)))
 
@@ -212,7 +188,7 @@ class OrbitCollocation(NewtonSolver[CollocationOrbit]):
 
     def linearise(self, orbit: CollocationOrbit) -> Linearisation:
         orbit = self._replace_states(orbit, orbit.x, orbit.period, orbit.inner)
-        q, A, shares = self.flow.quotient, orbit.nodes.A, np.diff(orbit.mesh)
+        q, A, shares = self.flow.quotient, INTEGRALS, np.diff(orbit.mesh)
         m, s, size = orbit.inner.shape
         T, R, led = np.arange(q.positions), np.arange(q.positions, size), q.led - q.positions
         h = orbit.period * shares[:, None, None]
@@ -263,7 +239,7 @@ class OrbitCollocation(NewtonSolver[CollocationOrbit]):
     ) -> CollocationOrbit:
         """Replace the states; positions at the nodes follow from the rates there."""
         q, inner = self.flow.quotient, inner.copy()
-        slope = orbit.nodes.A @ inner[..., q.led]
+        slope = INTEGRALS @ inner[..., q.led]
         h = period * np.diff(orbit.mesh)[:, None, None]
         inner[..., : q.positions] = x[:, None, : q.positions] + h * slope
         return replace(orbit, x=x, period=period, inner=inner)

@@ -185,15 +185,11 @@ def _periods(scene: Scene, end: float) -> Iterator[float]:
     """Periods [s] of sin, cos and tan in the expressions of a scene."""
     for e in (*scene.expressions.values(), *scene.state_rates.values()):
         for node in ast.walk(ast.parse(e.text, mode="eval")):
-            if isinstance(node, ast.Call) and _is_periodic(node):
+            name = getattr(node, "func", None)
+            if isinstance(node, ast.Call) and isinstance(name, ast.Name) and name.id in SWINGS:
                 slope = _argument_rate(ast.unparse(node.args[0]), e, end)
                 if slope:
                     yield 2 * math.pi / slope
-
-
-def _is_periodic(node: ast.Call) -> bool:
-    """Whether a call is of a periodic function."""
-    return isinstance(node.func, ast.Name) and node.func.id in SWINGS
 
 
 def _argument_rate(text: str, of: Expression, end: float) -> float:

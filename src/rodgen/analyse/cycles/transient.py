@@ -36,11 +36,6 @@ class Return:
     scale: float
 
 
-def without_run_options(system: System) -> System:
-    """Copy a system without its events, its limit of steps and its output times."""
-    return system.at({"events": [], "integrate.max_steps": None, "integrate.t_eval": None})
-
-
 def run_from(
     system: System, y: Array, t: float, span: float, every: float, target: str | None = None
 ) -> tuple[Array, Array]:

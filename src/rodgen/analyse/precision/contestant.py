@@ -95,11 +95,6 @@ class Limits:
     run: float
     family: float
 
-    @classmethod
-    def of(cls, quick: bool) -> Limits:
-        """Limits of the short report or of the whole one."""
-        return cls(0.15, 0.35) if quick else cls(0.6, 1.2)
-
 
 @dataclass(frozen=True)
 class Attempt:

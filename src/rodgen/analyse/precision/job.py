@@ -25,14 +25,7 @@ SAME = 1e-12  # of the span: times closer than that are one
 EDGE = 1e-12  # by which a time is held inside a stretch [s]: at its ends loads may jump
 MODES = 3  # the lowest, whose amplitudes are compared
 STILL = 1e-9  # rad, by which the angles of a rod change that stays as it is
-MEASURES = (
-    "error_phi",
-    "error_angles",
-    "error_rates",
-    "error_tail",
-    "error_modes",
-    "error_energy",
-)
+MEASURES = ("error_phi", "error_angles", "error_rates", "error_tail", "error_modes", "error_energy")
 
 Errors = dict[str, float | None]
 
@@ -186,8 +179,8 @@ class Measures:
         angles, rates = self.angle_errors(y), np.abs(self._rates(y) - self._rates(self.exact)).max()
         found = (angles[-1], angles.max(), rates, self.tail_error(y), modes, self.energy_error(y))
         return {
-            name: value if value is None or np.isfinite(value) else np.inf
-            for name, value in zip(MEASURES, map(_as_float, found), strict=True)
+            name: None if value is None else float(value) if np.isfinite(value) else np.inf
+            for name, value in zip(MEASURES, found, strict=True)
         }
 
     def angle_errors(self, y: Array) -> Array:
@@ -259,7 +252,3 @@ def without_loads(scene: Scene) -> Scene:
     changes |= {"loads": {}, "states": {}, "initial": {}, "integrate": {}}
     changes |= {"supports": [], "events": [], "foundation": None}
     return scene.replace(changes)
-
-
-def _as_float(value: float | None) -> float | None:
-    return None if value is None else float(value)

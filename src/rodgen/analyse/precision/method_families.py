@@ -23,13 +23,11 @@ from rodgen.arrays import Array
 from rodgen.integrate.simulate import simulate
 from rodgen.integrate.stability import LIMITS, dominant, step_limit
 from rodgen.loading import build
-from rodgen.model.methods import ADAPTIVE, FIXED_STEP, METHODS
+from rodgen.model.methods import FIXED_STEP, METHODS
 from rodgen.result import collect_doubts
 from rodgen.scene.integration import LEAST_RTOL
 
 VARIABLE_ORDER = ("bdf", "lsoda", "cvode")  # of which errors follow no single power of the step
-NUMPY = ("rk4", "dop853", "gauss", "radau")  # in Python: some of each kind
-MOST_LINKS = 50  # up to which they are run in Python
 HALVINGS = 14  # of a fixed step
 NEAR = 0.99  # of the stability limit, where a fixed step begins
 # Of a method without a limit, steps by which the fastest motion grows e-fold in the span.
@@ -40,14 +38,6 @@ LOOSEST, TIGHTEST = 2, 12  # negative powers of ten of a tolerance
 SHARE = 0.01  # absolute tolerance over the relative one, as a scene of rodgen has it by default
 EVERY = 256  # calls between two looks at the deadline
 LARGEST = 600  # links with a dense Jacobian: beyond, a factorisation takes a second
-
-
-def own_methods(job: Job, numpy: bool = True) -> list[tuple[str, str]]:
-    """List rodgen's methods and their targets: all in C, and some in Python if `numpy`."""
-    found = [(method, "c") for method in (*FIXED_STEP, *ADAPTIVE)]
-    if numpy and job.scene.rod.links <= MOST_LINKS:
-        found += [(method, "numpy") for method in NUMPY]
-    return found
 
 
 def own_family(job: Job, method: str, target: str, quick: bool) -> Family:
@@ -108,9 +98,9 @@ def largest_step(job: Job, method: str) -> float:
     return min(most, span / SAMPLES)
 
 
-def scipy_tolerances(quick: bool, tightest: int = TIGHTEST) -> Iterator[float]:
+def scipy_tolerances(quick: bool) -> Iterator[float]:
     """Yield relative tolerances, two a decade; quick: one a decade."""
-    for half in range(2 * LOOSEST, 2 * tightest + 1, 2 if quick else 1):
+    for half in range(2 * LOOSEST, 2 * TIGHTEST + 1, 2 if quick else 1):
         yield 10.0 ** (-half / 2)
 
 

@@ -13,7 +13,7 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
-from rodgen.analyse.analysis_guard import PRECISION, check_analysis_memory
+from rodgen.analyse.analysis_guard import PRECISION, check_analysis_memory, check_positive
 from rodgen.analyse.precision import method_families
 from rodgen.analyse.precision.contestant import (
     Contestant,
@@ -27,7 +27,7 @@ from rodgen.analyse.precision.contestant import (
     sweep_methods,
 )
 from rodgen.analyse.precision.job import Errors, Job, Measures
-from rodgen.analyse.precision.method_families import contestant, own_family, own_methods
+from rodgen.analyse.precision.method_families import contestant, own_family
 from rodgen.analyse.precision.rows import (
     find_cheapest,
     format_setting,
@@ -38,8 +38,9 @@ from rodgen.analyse.precision.rows import (
 )
 from rodgen.arrays import Array
 from rodgen.display import Plottable
-from rodgen.errors import AnalysisError, InputError
+from rodgen.errors import AnalysisError
 from rodgen.integrate.stability import LIMITS, dominant, step_limit
+from rodgen.model.methods import ADAPTIVE, FIXED_STEP
 from rodgen.progress import format_duration
 from rodgen.result import Result, ResultTable, Row, omit_from_tables
 from rodgen.scene import Scene
@@ -78,19 +79,6 @@ class Reference:
         return Measures(job, self.other if method.lower() == self.method else self.states)
 
 
-@dataclass(frozen=True)
-class TightestRun:
-    """Run of a method at the tightest tolerance that there was time for."""
-
-    who: Contestant
-    finish: RunResult
-
-    @property
-    def description(self) -> str:
-        """Method and its tolerance, for a reader."""
-        return f"{self.who.method}, rtol {self.who.setting:g}"
-
-
 def compute_reference(job: Job, seconds: float) -> Reference:
     """Find two solutions and their difference, in about so many seconds.
 
@@ -98,7 +86,7 @@ def compute_reference(job: Job, seconds: float) -> Reference:
     """
     _ = job.model  # the seconds begin when it is made
     end, why = time.perf_counter() + seconds, ""
-    found: list[TightestRun] = []
+    found: list[tuple[Contestant, RunResult]] = []
     for method in FAMILIES:
         share = (end - time.perf_counter()) / (2 - len(found))
         try:
@@ -109,23 +97,24 @@ def compute_reference(job: Job, seconds: float) -> Reference:
             break
     else:
         raise AnalysisError(f"no reference solution: {why}")
-    best, check = found
-    measures = Measures(job, best.finish.y)
+    (best, solved), (check, other) = found
+    measures = Measures(job, solved.y)
     return Reference(
-        best.finish.y,
-        check.finish.y,
-        measures.angle_errors(check.finish.y),
-        measures.errors(check.finish.y),
-        best.who.method,
-        check.description,
-        best.who.order or 0.0,
-        best.who.setting,
-        best.finish.counts["rhs"],
+        solved.y,
+        other.y,
+        measures.angle_errors(other.y),
+        measures.errors(other.y),
+        best.method,
+        f"{check.method}, rtol {check.setting:g}",
+        best.order or 0.0,
+        best.setting,
+        solved.counts["rhs"],
     )
 
 
-def _run_tightest(job: Job, method: str, seconds: float) -> TightestRun:
-    """Run a method at ever tighter tolerances. Raises AnalysisError where no run came to an end."""
+def _run_tightest(job: Job, method: str, seconds: float) -> tuple[Contestant, RunResult]:
+    """Run a method at ever tighter tolerances, while there is time. Raises AnalysisError where no
+    run came to an end."""
     end = time.perf_counter() + seconds
     found, why, expected = None, "", 0.0
     for rtol in RUNGS:
@@ -139,7 +128,7 @@ def _run_tightest(job: Job, method: str, seconds: float) -> TightestRun:
             if tried.slow:
                 break
             continue
-        found, expected = TightestRun(who, tried.finish), GROWTH * tried.seconds
+        found, expected = (who, tried.finish), GROWTH * tried.seconds
     if found is None:
         raise AnalysisError(f"{method}: {why}")
     return found
@@ -155,18 +144,9 @@ HELD_BY = {
 }
 
 
-def _front_column(*names: str) -> Callable[[WorkPrecision], list[Any]]:
-    """Column of a table for the settings on the front: these entries, or the error for ""."""
-
-    def entries(found: WorkPrecision) -> list[Any]:
-        rows = found.front()
-        if names == ("",):
-            return [row[found.measure] for row in rows]
-        if len(names) > 1:
-            return [" ".join(str(row[name]) for name in names) for row in rows]
-        return [row[names[0]] for row in rows]
-
-    return entries
+def _front_column(name: str) -> Callable[[WorkPrecision], list[Any]]:
+    """Column of a table with this entry of the settings on the front."""
+    return lambda found: [row[name] for row in found.front()]
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -210,12 +190,24 @@ class WorkPrecision(Result, Plottable):
         Row("reference", "reference", text=lambda found: found._reference_text),
         Row("trusted", "errors of the reference", text=omit_from_tables),
         Row("limits", "largest stable steps", "s", text=omit_from_tables),
-        Row("method", "method", along="setting", of=_front_column("who", "method")),
+        Row(
+            "method",
+            "method",
+            along="setting",
+            of=lambda found: [f"{row['who']} {row['method']}" for row in found.front()],
+        ),
         Row(
             "setting", "step or tolerance", format="g", along="setting", of=_front_column("setting")
         ),
         Row("seconds", "run time", "s", ".3g", along="setting", of=_front_column("seconds")),
-        Row("error", "error", "{unit}", ".2e", along="setting", of=_front_column("")),
+        Row(
+            "error",
+            "error",
+            "{unit}",
+            ".2e",
+            along="setting",
+            of=lambda found: [row[found.measure] for row in found.front()],
+        ),
         Row("rows", "all settings", text=omit_from_tables),
     )
 
@@ -340,22 +332,21 @@ def work_precision(
     system = System.of(system)
     check_analysis_memory(PRECISION, system)
     scene = system.scene
-    if not 0 < seconds < math.inf:
-        raise InputError("seconds", seconds, "a positive number of seconds")
+    check_positive(seconds, "seconds", "a positive number of seconds")
     if of is not None:
         check_choice("of", of, HELD_BY)
     job = Job.of(scene.name, scene.model_dump(exclude_none=True))
     progress("reference")
     found = compute_reference(job, SHARE * seconds)
-    own = own_methods(job, numpy=False)
+    own = (*FIXED_STEP, *ADAPTIVE)
     share = (1 - SHARE) * seconds / (len(own) + len(SCIPY))
     limits = Limits(share / 2, share)
     rows: list[Measurement] = []
     known: Measurement = {"scene": scene.name, "n": scene.rod.links, "family": ""}
-    for method, target in own:
+    for method in own:
         progress(method)
-        who: Measurement = {"who": "rodgen", "method": method, "target": target}
-        family = own_family(job, method, target, quick=False)
+        who: Measurement = {"who": "rodgen", "method": method, "target": "c"}
+        family = own_family(job, method, "c", quick=False)
         rows += sweep(family, known | who, found.measures(job, method), limits)
     for name in SCIPY:
         progress(f"SciPy {name}")
@@ -363,7 +354,9 @@ def work_precision(
     made = {"method": found.method, "order": found.order, "tolerance": found.tolerance}
     made |= {"checked_by": found.checked_by}
     measure = Measures(job, found.states).default_measure if of is None else HELD_BY[of][0]
-    return WorkPrecision(scene, rows, made, dict(found.estimate), stable_steps(job), measure)
+    fastest = dominant(job.model, job.span[0], job.initial_state, job.p)
+    steps = {name: step_limit(name, fastest.value, fastest.partner) for name in LIMITS}
+    return WorkPrecision(scene, rows, made, dict(found.estimate), steps, measure)
 
 
 def _sweep_scipy(
@@ -375,9 +368,3 @@ def _sweep_scipy(
     except NotModelledError as error:
         return [empty_row(known | nothing) | {"failed": str(error)}]
     return sweep_methods(made, known | nothing, measures, limits)
-
-
-def stable_steps(job: Job) -> dict[str, float]:
-    """Largest stable step [s] of every explicit method, for the fastest motion at the start."""
-    fastest = dominant(job.model, job.span[0], job.initial_state, job.p)
-    return {name: step_limit(name, fastest.value, fastest.partner) for name in LIMITS}

@@ -8,12 +8,14 @@ are taken as they are given: an mpf or a string, ``"0.1"``, where a float is not
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, TypeVar
 
 from mpmath import mp
 
+from rodgen.analyse.analysis_guard import check_whole_number
 from rodgen.errors import InputError
 
+T = TypeVar("T")
 Real = Any  # float, or mpf where digits are asked for
 Quantity = Any  # a number or a string of one
 
@@ -21,19 +23,18 @@ FLOAT = 17  # digits that tell one float from the next
 GUARD = 15  # digits of work beyond those of a result
 
 
-def with_digits(compute: Callable[[], Any], digits: int | None, extra: int = 0) -> Any:
+def with_digits(compute: Callable[[], T], digits: int | None, extra: int = 0) -> T:
     """Evaluate compute() with guard digits; return a number, or a tuple of numbers, as floats or
     with ``digits`` as mpf. extra: further guard digits that the problem is known to lose."""
-    if digits is not None and not 1 <= digits <= 1000:
-        raise InputError("digits", digits, "a whole number from 1 to 1000")
+    if digits is not None:
+        check_whole_number(digits, "digits", 1, 1000)
     with mp.workdps((digits or FLOAT) + GUARD + extra):
-        result = compute()
+        result: Any = compute()
     with mp.workdps(digits or FLOAT):
-        finish = float if digits is None else mp.mpf.__pos__
-        if not isinstance(result, tuple):
-            return finish(result)
-        kept = tuple(map(finish, result))
-        return type(result)(*kept) if hasattr(result, "_fields") else kept
+        finish: Any = float if digits is None else mp.mpf.__pos__
+        kept: Any = tuple(map(finish, result)) if isinstance(result, tuple) else finish(result)
+        made: T = type(result)(*kept) if hasattr(result, "_fields") else kept
+        return made
 
 
 def as_finite(name: str, given: Quantity) -> Any:
@@ -56,23 +57,11 @@ def as_positive(**quantities: Quantity) -> list[Any]:
     return values
 
 
-def _free_characteristic(x: Any) -> Any:
-    return mp.cos(x) - mp.sech(x)
-
-
-def _clamped_characteristic(x: Any) -> Any:
-    return mp.cos(x) + mp.sech(x)
-
-
-def _pinned_characteristic(x: Any) -> Any:
-    return mp.sin(x) - mp.tanh(x) * mp.cos(x)
-
-
 # Divided by cosh, so that nothing overflows; root k lies between (k + shift) pi and the next.
-_CHARACTERISTIC = {
-    "free": (_free_characteristic, 0),
-    "clamped": (_clamped_characteristic, -1),
-    "pinned": (_pinned_characteristic, 0),
+_CHARACTERISTIC: dict[str, tuple[Callable[[Any], Any], int]] = {
+    "free": (lambda x: mp.cos(x) - mp.sech(x), 0),
+    "clamped": (lambda x: mp.cos(x) + mp.sech(x), -1),
+    "pinned": (lambda x: mp.sin(x) - mp.tanh(x) * mp.cos(x), 0),
 }
 
 
@@ -88,7 +77,7 @@ def wave_number(boundary: str, k: int, *, digits: int | None = None) -> Real:
     name = "clamped" if boundary == "cantilever" else boundary
     if name not in _CHARACTERISTIC:
         raise InputError("boundary", boundary, '"free", "clamped", "cantilever" or "pinned"')
-    _check_mode_number("k", k)
+    check_whole_number(k, "k", 1)
     f, shift = _CHARACTERISTIC[name]
 
     def root() -> Any:
@@ -125,7 +114,7 @@ def chain_frequency(
     """Natural frequency [Hz] of mode k = 1, 2, ... of a hanging chain (EI = 0, upper end held) of
     length L [m] under gravity [m/s^2]: J0(2 omega sqrt(L/g)) = 0. D. Bernoulli 1732; see
     G. N. Watson, A Treatise on the Theory of Bessel Functions, 1922, chapter 1."""
-    _check_mode_number("k", k)
+    check_whole_number(k, "k", 1)
 
     def frequency() -> Any:
         L, g = as_positive(length=length, gravity=gravity)
@@ -152,8 +141,7 @@ def linear_tip_force(
         F = as_finite("force", force)
         return Deflection(F * L**3 / (3 * EI), F * L**2 / (2 * EI))
 
-    result: Deflection = with_digits(tip, digits)
-    return result
+    return with_digits(tip, digits)
 
 
 def linear_own_weight(
@@ -167,10 +155,4 @@ def linear_own_weight(
         q = as_finite("load", load)
         return Deflection(q * L**4 / (8 * EI), q * L**3 / (6 * EI))
 
-    result: Deflection = with_digits(tip, digits)
-    return result
-
-
-def _check_mode_number(name: str, value: int) -> None:
-    if not isinstance(value, int) or value < 1:
-        raise InputError(name, value, "a whole number of at least 1")
+    return with_digits(tip, digits)

@@ -61,8 +61,7 @@ def tip_force(load: Quantity, *, digits: int | None = None) -> Tip:
         sag = 2 * (mp.ellipe(m) - mp.ellipe(phi, m)) / mp.sqrt(alpha)
         return Tip(mp.sqrt(2 * mp.cos(short) / alpha), 1 - sag, mp.pi / 2 - short)
 
-    result: Tip = with_digits(tip, digits, _lost_digits(size))
-    return result
+    return with_digits(tip, digits, _lost_digits(size))
 
 
 def own_weight(load: Quantity, *, digits: int | None = None) -> Tip:
@@ -88,8 +87,7 @@ def own_weight(load: Quantity, *, digits: int | None = None) -> Tip:
         _, x, y = _integrate_to_clamp(mp.exp(-q), end)
         return Tip(x / end, y / end, mp.pi / 2 - mp.exp(-q))
 
-    result: Tip = with_digits(tip, digits, _lost_digits(size))
-    return result
+    return with_digits(tip, digits, _lost_digits(size))
 
 
 def axial_force(load: Quantity, *, digits: int | None = None) -> Tip:
@@ -117,8 +115,7 @@ def axial_force(load: Quantity, *, digits: int | None = None) -> Tip:
         k = mp.sqrt(m)
         return Tip(2 * mp.ellipe(m) / root - 1, 2 * k / root, 2 * mp.asin(k))
 
-    result: Tip = with_digits(tip, digits, _lost_digits(size) + EXCESS)
-    return result
+    return with_digits(tip, digits, _lost_digits(size) + EXCESS)
 
 
 def _shoot(load: float) -> float:

@@ -116,8 +116,7 @@ def thrust_frequencies(
             for x in map(float, starts)
         )
 
-    result: tuple[Real, ...] = with_digits(frequencies, digits, EXCESS)
-    return result
+    return with_digits(frequencies, digits, EXCESS)
 
 
 def _solve_onset(
@@ -131,8 +130,7 @@ def _solve_onset(
 
         return FlutterPoint(*mp.findroot(both, near, tol=mp.mpf(10) ** (EXCESS - 2 * mp.dps)))
 
-    result: FlutterPoint = with_digits(onset, digits, EXCESS)
-    return result
+    return with_digits(onset, digits, EXCESS)
 
 
 def _distributed_characteristic(power: int) -> Callable[[Any, Any], Any]:

@@ -17,14 +17,30 @@ from rodgen.analyse.precision.contestant import (
 )
 from rodgen.analyse.precision.job import Job
 from rodgen.analyse.precision.work_precision import Reference
+from rodgen.model.methods import ADAPTIVE, FIXED_STEP
 from rodgen_evidence.report import peers
 from rodgen_evidence.report.cases import Case
 from rodgen_evidence.report.costs.cold import setups
 from rodgen_evidence.report.precision.references import NO_REFERENCE, NoReferenceError, load
 from rodgen_evidence.report.unit import Unit
 
+NUMPY = ("rk4", "dop853", "gauss", "radau")  # in Python: some of each kind
+MOST_LINKS = 50  # up to which they are run in Python
 LIMIT = 180.0  # seconds of all of rodgen's methods, with their set-up
 MISSING = "not installed: make report installs it"
+
+
+def own_methods(job: Job) -> list[tuple[str, str]]:
+    """List rodgen's methods and their targets: all in C, and some in Python."""
+    found = [(method, "c") for method in (*FIXED_STEP, *ADAPTIVE)]
+    if job.scene.rod.links <= MOST_LINKS:
+        found += [(method, "numpy") for method in NUMPY]
+    return found
+
+
+def _limits(quick: bool) -> Limits:
+    """Limits of the short report or of the whole one."""
+    return Limits(0.15, 0.35) if quick else Limits(0.6, 1.2)
 
 
 def rodgens(name: str, table: dict[str, Any], folder: str, quick: bool) -> list[Measurement]:
@@ -36,10 +52,10 @@ def rodgens(name: str, table: dict[str, Any], folder: str, quick: bool) -> list[
     rows: list[Measurement] = []
     # From cold they take longer than all runs of a short set.
     taken = {} if quick else setups(table)
-    for method, target in method_families.own_methods(job):
+    for method, target in own_methods(job):
         family = method_families.own_family(job, method, target, quick)
         measures = held.measures(job, method)
-        rows += sweep(family, label(job, method, target, taken), measures, Limits.of(quick))
+        rows += sweep(family, label(job, method, target, taken), measures, _limits(quick))
     return rows
 
 
@@ -59,7 +75,7 @@ def _of_method(job: Job, held: Reference, quick: bool, name: str) -> list[Measur
     nothing = known(job.name, job.scene.rod.links, who, name, method)
     try:
         measures = held.measures(job, method)
-        return sweep_methods(peers.family(name, job, quick), nothing, measures, Limits.of(quick))
+        return sweep_methods(peers.family(name, job, quick), nothing, measures, _limits(quick))
     except ModuleNotFoundError as error:
         own = error.name == peers.LIBRARIES[who].package
         return [empty_row(nothing) | {"failed": MISSING if own else describe_error(error)}]
