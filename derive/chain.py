@@ -66,7 +66,7 @@ def normal_angle(angle: Expr) -> Expr:
 
 
 def relative_place(link: int, carrier: int) -> str:
-    """Where ``link`` stands relative to the link ``carrier``."""
+    """Place of ``link`` relative to the link ``carrier``."""
     return BEFORE if link < carrier else OWN if link == carrier else AFTER
 
 

@@ -42,12 +42,12 @@ class JointMotion:
 
     @property
     def place(self) -> tuple[Any, Any]:
-        """Its position."""
+        """Position of the joint."""
         return self.x, self.y
 
     @property
     def velocity(self) -> tuple[Any, Any]:
-        """Its velocity."""
+        """Velocity of the joint."""
         return self.vx, self.vy
 
 

@@ -72,7 +72,7 @@ class PointForce(Load):
         return self.point != TAIL
 
     def _moving_parts(self, boundary: Boundary) -> list[tuple[Expr, Expr]]:
-        """Its parts on joints that are not held."""
+        """Parts of the force on joints that are not held."""
         low = boundary.first_joint
         return [(at, x) for at, x in self.point.parts if not (at.is_Integer and at < low)]
 
@@ -124,7 +124,7 @@ class PointForce(Load):
 
     @property
     def _shares(self) -> list[IndexedBase]:
-        """Its shares on joints as arrays, by the link that ends or begins there."""
+        """Shares of the force on joints as arrays, by the link that ends or begins there."""
         return [
             IndexedBase(f"{self.term}_{'start' if at == self.point.link else 'end'}", real=True)
             for at, _ in self.point.parts

@@ -15,8 +15,8 @@ from rodgen_evidence.benchmarks.exponents import exponents, of_heyoka, of_rodgen
 from rodgen_evidence.benchmarks.main_job import main_job
 from rodgen_evidence.benchmarks.many import many
 from rodgen_evidence.benchmarks.rhs import rhs
-from rodgen_evidence.benchmarks.study import study
-from rodgen_evidence.benchmarks.tables import tables
+from rodgen_evidence.benchmarks.study_points import study
+from rodgen_evidence.benchmarks.thrust_tables import tables
 
 pytestmark = [pytest.mark.nightly, pytest.mark.compiler]
 

@@ -10,10 +10,10 @@ import pytest
 
 from rodgen.analyse.precision.rows import has_result
 from rodgen_evidence.pages.report_guide import (
-    guide_renewed,
+    renew_guide,
+    renew_speed,
     save_guide_figures,
     speed,
-    speed_renewed,
 )
 from rodgen_evidence.pages.report_page import read_report
 from rodgen_evidence.report.contents import of
@@ -25,11 +25,11 @@ REPORT = ROOT / "docs" / "report" / "report.json"
 def test_speeds_are_those_of_the_report() -> None:
     contents, _ = read_report(REPORT)
     page = (ROOT / "docs" / "speed.md").read_text(encoding="utf-8")
-    assert speed_renewed(page, contents) == page
+    assert renew_speed(page, contents) == page
     duels = [row for row in of(contents, "equal_error", asked=1e-6) if has_result(row)]
     assert duels
     runs = of(contents, "precision", method="dop853", target="c", setting=1e-5)
-    counts = {run["scene"]: run["rhs"] for run in runs}
+    counts = {run["scene"]: run["nfev"] for run in runs}
     for row in duels:  # by another route than the table's own
         assert re.search(rf"`{row['scene']}` .*\| {row['ratio']:.2g} \|", page)
         if row["ours"] == "dop853 (c), rtol 1e-05":
@@ -39,19 +39,19 @@ def test_speeds_are_those_of_the_report() -> None:
 def test_speeds_are_taken_between_the_marks_alone() -> None:
     contents, _ = read_report(REPORT)
     text = "before\n<!-- speed: from report/report.json -->\nold\n<!-- /speed -->\nafter\n"
-    made = speed_renewed(text, contents)
+    made = renew_speed(text, contents)
     assert made.startswith("before\n")
     assert made.endswith("\nafter\n")
     assert "\n".join(speed(contents)) in made
     assert "old" not in made
     with pytest.raises(ValueError, match="unpack"):
-        speed_renewed("no marks", contents)
+        renew_speed("no marks", contents)
 
 
 def test_tables_of_the_guide_are_those_of_the_report() -> None:
     contents, _ = read_report(REPORT)
     guide = (ROOT / "docs" / "which-method.md").read_text(encoding="utf-8")
-    assert guide_renewed(guide, contents) == guide
+    assert renew_guide(guide, contents) == guide
     counts = Counter(row["outcome"] for row in of(contents, "extremes"))
     for outcome, count in counts.items():  # by another route than the table's own
         assert f"\n| {outcome} | {count} |" in guide
@@ -59,7 +59,7 @@ def test_tables_of_the_guide_are_those_of_the_report() -> None:
     ratio = by["rodgen NumPy", 20] / by["rodgen C, from C", 20]
     assert re.search(rf"\| NumPy \| \d+ \| {ratio:.0f} \|", guide)
     with pytest.raises(ValueError, match="unpack"):
-        guide_renewed("no marks", contents)
+        renew_guide("no marks", contents)
 
 
 @pytest.mark.nightly

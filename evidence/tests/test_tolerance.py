@@ -15,7 +15,7 @@ import rodgen
 from rodgen_evidence.tolerance.equal_error import costs
 from rodgen_evidence.tolerance.error_tables import show_errors
 from rodgen_evidence.tolerance.measure.random_rods import random_tables
-from rodgen_evidence.tolerance.measure.scene_record import AUTO, measured
+from rodgen_evidence.tolerance.measure.scene_record import AUTO, measure_scene
 from rodgen_evidence.tolerance.over_tolerance import over_tolerance
 from rodgen_evidence.tolerance.records import FILE, records
 from rodgen_evidence.tolerance.rule_tables import show_costs
@@ -28,7 +28,7 @@ Record = dict[str, Any]
 
 @lru_cache
 def known(seed: int) -> Record:
-    return {"seed": seed, "seconds": 0.0} | measured(seed, FEW)
+    return {"seed": seed, "seconds": 0.0} | measure_scene(seed, FEW)
 
 
 def shown(lines: list[Record]) -> tuple[tuple[int, int], str]:

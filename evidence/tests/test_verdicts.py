@@ -15,7 +15,7 @@ from rodgen_evidence.verdicts import branch_check, compare, critical_check, wind
 from rodgen_evidence.verdicts.along_load import AlongLoad
 from rodgen_evidence.verdicts.campaign import FILE, campaign, show
 from rodgen_evidence.verdicts.chain_loads import rates
-from rodgen_evidence.verdicts.compare import judged, summary
+from rodgen_evidence.verdicts.compare import judge, summary
 from rodgen_evidence.verdicts.digits import FLOAT
 from rodgen_evidence.verdicts.judgement import CONTRADICTED, NONE, REFUSED, RIGHT, Judgement
 from rodgen_evidence.verdicts.link_chain import LinkChain
@@ -57,7 +57,7 @@ def known(seed: int) -> tuple[AlongLoad, Asked]:
 
 @pytest.mark.parametrize("seed", [STRAIGHT, BENT])
 def test_verdicts_are_right(seed: int) -> None:
-    found = judged(*known(seed))
+    found = judge(*known(seed))
     assert not [one for one in found if one.kind in WRONG]
     assert {*summary(found)} == {"critical", "static", "modes", "branch"}
     assert sum(one.kind == RIGHT for one in found) > 2 * LOADS
@@ -108,8 +108,8 @@ def test_what_is_finished_is_not_done_again(tmp_path: Path) -> None:
 
 def test_a_rest_in_a_wind() -> None:
     """One that is found, and what would be said of others."""
-    assert wind.judged(CALM, step=0.1).kind == RIGHT
+    assert wind.judge_rest(CALM, step=0.1).kind == RIGHT
     size = LinkChain(wind.windy(CALM), FLOAT).size
     away = SimpleNamespace(y=np.ones(2 * size))
-    assert wind.judged(CALM, away, step=0.1).kind == CONTRADICTED
-    assert wind.judged(CALM, Refusal("none"), step=0.1).kind == REFUSED
+    assert wind.judge_rest(CALM, away, step=0.1).kind == CONTRADICTED
+    assert wind.judge_rest(CALM, Refusal("none"), step=0.1).kind == REFUSED

@@ -39,7 +39,7 @@ class DatasetResult(Result):
 
     @property
     def notes(self) -> tuple[Note, ...]:  # type: ignore[override]  # a field of other results
-        """Notes on its numbers: doubts and remarks."""
+        """Notes on the numbers: doubts and remarks."""
         if NOTES in self._data.attrs:
             return notes_from(self._data.attrs)
         if DOUBTS not in self._data or DIGEST not in self._data.attrs:
@@ -167,7 +167,7 @@ def register_accessor() -> None:
 
 
 def register_notebook_display(dataset: type) -> None:
-    """In a notebook, register the display of Datasets as a picture with a table."""
+    """Register, in a notebook, the display of Datasets as a picture with a table."""
     notebook = sys.modules.get("IPython")
     shell: Any = notebook and notebook.get_ipython()
     if shell:

@@ -109,11 +109,11 @@ class Row:
     missing: str = ""
 
     def value(self, result: Any) -> Any:
-        """Its value in a result."""
+        """Value of the row in a result."""
         return getattr(result, self.name) if self.of is None else self.of(result)
 
     def unit_in(self, result: Any) -> str:
-        """Its unit in a result."""
+        """Unit of the row in a result."""
         return self.unit.format(unit=getattr(result, "unit", ""))
 
 
@@ -196,7 +196,7 @@ class Result(Tabular):
         return made
 
     def tables(self) -> list[ResultTable]:
-        """Its rows as text: a table of single values, and one for each array of them."""
+        """Rows as text: a table of single values, and one for each array of them."""
         return tables(self.ROWS, self)
 
     def __str__(self) -> str:

@@ -43,7 +43,7 @@ def _processor_time(monkeypatch: pytest.MonkeyPatch) -> None:
 @pytest.fixture(scope="module")
 def job() -> Job:
     """One lumped link of 2 m that hangs from a pin, released at rest 2 rad from the vertical."""
-    return Job.of("pendulum", PENDULUM)
+    return Job.of("pendulum", Scene.from_dict(PENDULUM))
 
 
 def swung(times: np.ndarray) -> np.ndarray:
@@ -152,7 +152,7 @@ class Stage:
             raise wanted
         self.now += wanted
         Deadline.check()
-        return RunResult(states, {"steps": round(100 * wanted)}, wanted)
+        return RunResult(states, {"nsteps": round(100 * wanted)}, wanted)
 
     def family(
         self, *seconds: float | Exception, method: str = "m", states: np.ndarray | None = None
@@ -174,7 +174,7 @@ def stage(job: Job, monkeypatch: pytest.MonkeyPatch) -> Stage:
 def test_sweep_lists_failures_and_what_is_not_tried(stage: Stage) -> None:
     rows = stage.swept(stage.family(ArithmeticError("fell over"), 0.001, 0.03, 10.0, 0.0))
     assert [row["failed"] for row in rows[:3]] == ["fell over", "", ""]
-    assert (rows[1]["error_phi"], rows[2]["rounds"], rows[2]["steps"]) == (0.0, 3, 3)
+    assert (rows[1]["error_phi"], rows[2]["rounds"], rows[2]["nsteps"]) == (0.0, 3, 3)
     assert rows[2]["seconds"] == pytest.approx(0.03)
     # 30 times longer than the one before: four times as long is expected of the next.
     (last,) = rows[3:]
@@ -189,7 +189,7 @@ def test_counts_are_those_of_the_median_round(stage: Stage) -> None:
     )
     tried = contestant.attempt(one, Limits(1.0, 1.0))
     assert tried.finish is not None
-    assert (tried.finish.inside, tried.finish.counts["steps"]) == (0.02, 2)
+    assert (tried.finish.inside, tried.finish.counts["nsteps"]) == (0.02, 2)
     assert tried.seconds == pytest.approx(0.02)
 
 
@@ -263,7 +263,7 @@ def test_a_rod_that_does_not_turn_is_held_by_its_tail() -> None:
         "states": {"z": {"rate": "1 - z"}, "w": {"rate": "z"}},
         "integrate": {"span": [0.0, 1.0], "output_every": 0.25},
     }
-    job = Job.of("dart", table)
+    job = Job.of("dart", Scene.from_dict(table))
     t = np.linspace(0.0, 1.0, 5)
     exact = np.zeros((5, 10))
     exact[:, 0], exact[:, 4] = -(1 - np.cos(2 * t)) / 2, -np.sin(2 * t)

@@ -46,7 +46,7 @@ def test_both_are_found_side_by_side(thrown: Scene, number: str) -> None:
     model = rodgen.build(thrown, "c", parts=("flow", "power", "lanes"))
     p, y = model.parameters(**thrown.parameters), _starts(model)
     both, up, down = (
-        Crossing(number, 0.0, direction, ("tip_y", "vy0"), most=3)
+        Crossing(number, 0.0, direction, ("tip_y", "vy0"), max_points=3)
         for direction in ("either", "rising", "falling")
     )
     how = {"method": "rk4", "step": STEP, "span": [0.0, STEP], "output_every": STEP}

@@ -60,7 +60,7 @@ EMPTYING = Structure(3, "free", "uniform", ALL, (), ("bodies",), masses=MASSES)
 def test_every_choice_is_among_the_structures() -> None:
     assert {(s.boundary, s.inertia) for s in PALETTE} == {*product(BOUNDARIES, INERTIAS)}
     assert {(term, term in s.terms) for s in SMALL for term in TERMS} == {*product(TERMS, (0, 1))}
-    assert {s.links for s in SMALL} >= {1, 2, 3}
+    assert {s.n_links for s in SMALL} >= {1, 2, 3}
     assert {s.inertia for s in LONG} == set(INERTIAS)
 
 
@@ -74,7 +74,7 @@ def test_module_equals_fifty_digit_arithmetic(built: Built, structure: Structure
     # Rounding of some hundred operations, amplified by the condition of M: about 20 at n = 5, it
     # grows as n^3, to 6e4 at n = 50.
     worst = max(d.error for d in check_module(built(structure, "c"), states=1))
-    assert worst < max(1e-12, 1e-13 * structure.links**1.5)
+    assert worst < max(1e-12, 1e-13 * structure.n_links**1.5)
 
 
 @_each(
@@ -92,7 +92,7 @@ def test_targets_agree(built: Built, structure: Structure, request: pytest.Fixtu
     for function, digits in (("rhs", 1e-10), ("jac", 1e-9)):
         one, two = (getattr(module, function)(0.375, y, p) for module in (compiled, numpy))
         # Condition of M at n = 50 (6e4) times rounding; less for shorter rods.
-        limit = digits * min(1.0, (structure.links / 20) ** 3 + 1e-2)
+        limit = digits * min(1.0, (structure.n_links / 20) ** 3 + 1e-2)
         np.testing.assert_allclose(one, two, rtol=0, atol=limit * np.abs(two).max())
     J = numpy.jac(0.375, y, p)
     # One direction, which has a function of its own, a few, and more than there are lanes.

@@ -81,7 +81,7 @@ def test_text_holds_only_what_the_scene_has(whole: Whole, structure: Structure) 
     rates, _ = code.split("/* Newton matrices")
     assert ("lambda_x" in _identifiers(rates)) <= (structure.inertia == "uniform")
     assert ("tension" in names) == (structure.inertia == "lumped")
-    assert ("malloc" in names) <= (structure.links > 20)
+    assert ("malloc" in names) <= (structure.n_links > 20)
     assert f"{structure.module_stem('c')}_jac" in _identifiers(header)
     # Of laws that follow the motion, and states that they add.
     assert not re.search(r"sensor|state_\d|_by_|signals", python + code + header)

@@ -226,7 +226,7 @@ def test_two_at_a_time_and_none_of_too_many_links(monkeypatch: pytest.MonkeyPatc
     begun: list[int] = []
 
     async def endless(structure: Structure, _: object) -> None:
-        begun.append(structure.links)
+        begun.append(structure.n_links)
         await asyncio.Event().wait()
 
     async def three() -> None:

@@ -124,8 +124,8 @@ def test_analyses_take_the_masses_of_a_time() -> None:
         assert "rod.mass_per_length" in told.allowed
     # 10 kg/m at the start, 6 kg/m at 2 s.
     held = scene.replace(masses_at(scene, 2.0)).loads
-    assert held.parameter("internal_damping") == pytest.approx(0.05 / 0.6)
-    assert held.parameter("external_damping") == pytest.approx(0.3 / 0.6)
+    assert held.value("internal_damping") == pytest.approx(0.05 / 0.6)
+    assert held.value("external_damping") == pytest.approx(0.3 / 0.6)
     inner = _scene(rod=rod, bodies=[TANK], loads={"internal_damping": {"coefficient": 0.05}})
     model = build(inner)
     p = model.parameters(**inner.parameters)

@@ -1,1 +1,1 @@
-"""What shows how far rodgen can be trusted; it joins the command line by entry points."""
+"""Evidence of how far rodgen can be trusted; it joins the command line by entry points."""

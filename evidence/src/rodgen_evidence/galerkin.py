@@ -35,8 +35,11 @@ FORCES = np.linspace(0.5, 60.0, 120)
 
 @dataclass(frozen=True)
 class Shapes:
-    """What w is made of at the Gauss points (shapes, points), with two derivatives by s, and at the
-    tip; every one is clamped at s = 0."""
+    """Shape functions of w, clamped at s = 0.
+
+    values: at the Gauss points, (shapes, points), with two derivatives by s; tip, slope: at the
+    tip.
+    """
 
     values: tuple[Array, Array, Array]
     tip: Array
@@ -44,7 +47,7 @@ class Shapes:
 
 
 def polynomials(count: int) -> Shapes:
-    """Those whose second derivatives are Legendre's polynomials: eight are as good as all."""
+    """Shapes whose second derivatives are Legendre polynomials: eight are as good as all."""
     bent = [Legendre.basis(k, domain=[0, 1]) for k in range(count)]
     turned = [one.integ(lbnd=0) for one in bent]
     moved = [one.integ(lbnd=0) for one in turned]
@@ -56,7 +59,7 @@ def polynomials(count: int) -> Shapes:
 def bare(count: int) -> Shapes:
     """The first modes of the column without load and tip mass."""
     full = polynomials(count + 16)
-    return _combined(full, (full.values[0] * WEIGHT) @ full.values[0].T, count)
+    return _combine(full, (full.values[0] * WEIGHT) @ full.values[0].T, count)
 
 
 def own(count: int, mass: float, inertia: float) -> Shapes:
@@ -64,10 +67,10 @@ def own(count: int, mass: float, inertia: float) -> Shapes:
     full = polynomials(count + 16)
     M = (full.values[0] * WEIGHT) @ full.values[0].T
     M += mass * np.outer(full.tip, full.tip) + inertia * np.outer(full.slope, full.slope)
-    return _combined(full, M, count)
+    return _combine(full, M, count)
 
 
-def _combined(full: Shapes, M: Array, count: int) -> Shapes:
+def _combine(full: Shapes, M: Array, count: int) -> Shapes:
     stiffness = (full.values[2] * WEIGHT) @ full.values[2].T
     V = scipy.linalg.eigh(stiffness, M)[1][:, :count].T
     moved, turned, bent = (V @ one for one in full.values)
@@ -86,8 +89,8 @@ POINT, WEIGHT, UNTIL = _points()
 
 
 @dataclass(frozen=True)
-class Onset:
-    """Where flutter begins: force, frequency; turn: how much force cycles need beyond it for the
+class FlutterOnset:
+    """Onset of flutter: force, frequency; turn: how much force cycles need beyond it for the
     square of half their largest angle [rad^2]. Below 0, they lie before it: subcritical."""
 
     force: float
@@ -96,10 +99,13 @@ class Onset:
 
 
 @dataclass(frozen=True)
-class Column:
-    """Numbers are those of the docstring of this module. damping: whether tau works on the rate of
-    curvature, as in a material, or on the rate of w'', as in equations that are linear in it;
-    along: whether c resists the motion along the clamp axis as well."""
+class GalerkinColumn:
+    """Column discretised by Galerkin's method; numbers as in the docstring of this module.
+
+    damping: whether tau works on the rate of curvature, as in a material, or on the rate of w'', as
+    in equations that are linear in it; along: whether c resists the motion along the clamp axis as
+    well.
+    """
 
     shapes: Shapes
     mass: float
@@ -143,7 +149,7 @@ class Column:
         s = s[s.imag > 1e-6]
         return complex(s[s.real.argmax()]) if len(s) else -1.0 + 0.0j
 
-    def onset(self) -> Onset:
+    def onset(self) -> FlutterOnset:
         """The first Hopf point. Raises ValueError where there is none."""
         before = self.growing(float(FORCES[0])).real
         for low, high in pairwise(FORCES.tolist()):
@@ -154,7 +160,7 @@ class Column:
             before = after
         raise ValueError("no flutter in the range")
 
-    def _at(self, force: float) -> Onset:
+    def _at(self, force: float) -> FlutterOnset:
         w = self.growing(force).imag
         dynamic = -(w**2) * self.M + 1j * w * self.D + self.stiffness + force * self.thrust
         left, _, right = scipy.linalg.svd(dynamic)
@@ -168,7 +174,7 @@ class Column:
         # Both over p (2 i w M + D) v, of which the turn keeps nothing but the direction.
         unit = p @ (2j * w * self.M + self.D) @ v
         coefficient, slope = -(p @ third) / unit, -(p @ self.thrust @ v) / unit
-        return Onset(force, w, float(-coefficient.real / slope.real))
+        return FlutterOnset(force, w, float(-coefficient.real / slope.real))
 
     def third(self, force: float, q: Array, rate: Array, second: Array) -> Array:
         """The terms of third order of the equations, on the side of M, for q and its derivatives

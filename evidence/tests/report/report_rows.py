@@ -50,11 +50,11 @@ def setting(scene: str, who: str, method: str, target: str, order: int, at: int)
         "error_modes": 0.4 * error,
         "error_energy": 0.1 * error**1.1,
         "balance": 0.1 * error if who == "rodgen" else None,
-        "steps": steps,
+        "nsteps": steps,
         "rejected": None if fixed else steps // 20,
-        "rhs": steps * max(order, 1),
-        "jacobian": steps if method in ("gauss", "radau") else None,
-        "factorisations": None,
+        "nfev": steps * max(order, 1),
+        "njev": steps if method in ("gauss", "radau") else None,
+        "nlu": None,
         "setup_generate": 1.5 if who == "rodgen" else None,
         "setup_compile": 80.0 / 3 if who == "heyoka" else 0.7,
         "agreed": None if who == "rodgen" else 3.1e-15,
@@ -73,7 +73,7 @@ def precision(scene: str) -> list[Measurement]:
 def reference(scene: str) -> Measurement:
     estimates = {f"estimate_{name}": 2e-12 for name in ("phi", "tail", "modes", "energy")}
     checked = {"checked_by": "Taylor series", "check_phi": 1.5e-12}
-    made = {"method": "extrapolation", "order": 16, "tolerance": 1e-18, "rhs": 10**6}
+    made = {"method": "extrapolation", "order": 16, "tolerance": 1e-18, "nfev": 10**6}
     start: Measurement = {"scene": scene, "n": SCENES[scene], "seconds": 3.2, "failed": ""}
     return {**start, **made, **estimates, **checked}
 

@@ -17,8 +17,8 @@ from rodgen_evidence.report.cases import Case, cases, rod
 from rodgen_evidence.report.contents import frame
 from rodgen_evidence.report.costs import against_n, install, leaving_out, rates
 from rodgen_evidence.report.costs.cold import cold
-from rodgen_evidence.report.costs.rod import compared, packed, row
-from rodgen_evidence.report.timing import interleaved
+from rodgen_evidence.report.costs.cost_rows import compare_costs, parameter_vector, row
+from rodgen_evidence.report.interleaved_timing import time_in_turns
 
 GENERATED = Path(__file__).parents[3] / "generated"
 LINKS = (10, 20, 50, 100, 200, 500, 1000, 2000)
@@ -50,7 +50,7 @@ def test_what_cannot_be_made_is_a_row_and_does_not_end_the_others() -> None:
     def broken() -> Any:
         raise OSError("no such library")
 
-    rows = compared(
+    rows = compare_costs(
         "rhs", 10, {"broken": broken, "good": lambda: lambda number: 1e-3 * number}, True
     )
     by_name = {str(one["who"]): one for one in rows}
@@ -69,7 +69,7 @@ def test_medians_are_those_of_batches_that_take_turns() -> None:
 
         return run
 
-    times = interleaved({"a": batch("a", 1e-3), "b": batch("b", 2e-3)}, rounds=5)
+    times = time_in_turns({"a": batch("a", 1e-3), "b": batch("b", 2e-3)}, rounds=5)
     assert times == pytest.approx({"a": 1e-3, "b": 2e-3})
     assert order[-10:] == ["a", "b"] * 5
 
@@ -78,12 +78,12 @@ def test_a_peer_of_another_model_is_not_timed(monkeypatch: pytest.MonkeyPatch) -
     module = load_module(GENERATED / "rod_free_n5.py")
     monkeypatch.setattr(rates, "built", lambda *_: module)
     monkeypatch.setattr(
-        rates, "compared", lambda what, n, made, _: [row(what, who, n, 1e-6) for who in made]
+        rates, "compare_costs", lambda what, n, made, _: [row(what, who, n, 1e-6) for who in made]
     )
 
     def of(factor: float) -> Any:
         made = SimpleNamespace(
-            rhs=lambda y: factor * module.rhs(0.0, y, packed(module)), batch=None
+            rhs=lambda y: factor * module.rhs(0.0, y, parameter_vector(module)), batch=None
         )
         monkeypatch.setattr(rates, "prepare", lambda *_: made)
         (one,) = rates.of_peer("peer", [5])
@@ -102,7 +102,7 @@ def test_peer_whose_set_up_explodes_is_not_pursued(monkeypatch: pytest.MonkeyPat
         tried.append(links)
         return row("rhs", name, links, 1e-6)
 
-    monkeypatch.setattr(rates, "_measured", measured)
+    monkeypatch.setattr(rates, "_measure", measured)
     rows = rates.of_peer("peer", LINKS)
     assert tried == [10, 20, 50]  # which took 1, 3 and 30 s
     assert all(made["failed"] for made in rows[3:])
@@ -147,7 +147,7 @@ def two_modules(monkeypatch: pytest.MonkeyPatch) -> dict[str, Any]:
 
 def test_rows_of_modules_that_agree(two_modules: dict[str, Any]) -> None:
     sizes: dict[str, Any] = {variant: {"operations": 7} for variant in two_modules}
-    plain, whole = leaving_out.compared(rod("five", 5, 1.0), two_modules, sizes, True)
+    plain, whole = leaving_out.compare_modules(rod("five", 5, 1.0), two_modules, sizes, True)
     assert (plain["variant"], whole["variant"]) == (leaving_out.PLAIN, leaving_out.WHOLE)
     for made in (plain, whole):
         assert not made["failed"]
@@ -161,7 +161,7 @@ def test_modules_that_differ_are_found(
     """A ten-thousandth of a load where there should be none."""
     monkeypatch.setitem(leaving_out.NOTHING, "gravity", {"g": 1e-3})
     sizes: dict[str, Any] = {variant: {} for variant in two_modules}
-    for made in leaving_out.compared(rod("five", 5, 1.0), two_modules, sizes, True):
+    for made in leaving_out.compare_modules(rod("five", 5, 1.0), two_modules, sizes, True):
         assert "rates" in str(made["failed"])
         assert made["run"] is None
 
@@ -260,7 +260,7 @@ def test_size_of_numpy_is_that_of_its_folders() -> None:
 def test_imports_are_timed_without_the_interpreter(tmp_path: Path) -> None:
     (tmp_path / "slow.py").write_text("import time; time.sleep(0.3)")
     codes = {"slow": "import slow", "broken": "import no_such_module"}
-    rows = {str(made["what"]): made for made in install._timed(codes, str(tmp_path), 1)}
+    rows = {str(made["what"]): made for made in install._time_imports(codes, str(tmp_path), 1)}
     # It sleeps for 0.3 s; the start of the interpreter varies on a busy machine.
     assert 0.1 < float(rows["slow"]["seconds"]) < 1.5
     assert "no_such_module" in str(rows["broken"]["failed"])

@@ -13,8 +13,8 @@ import rodgen
 from rodgen.integrate import Solution
 from rodgen.model.methods import TABLEAUX
 from rodgen_evidence.report.stability import extremes, extremes_run
-from rodgen_evidence.report.stability.extremes_case import Array, Extreme, Measure, Truth
-from rodgen_evidence.report.stability.extremes_cases import links, pushed, spans
+from rodgen_evidence.report.stability.extremes_case import Array, ExtremeCase, Measure, TrueMotion
+from rodgen_evidence.report.stability.extremes_cases import follower_rod, links, spans
 from rodgen_evidence.report.stability.extremes_run import (
     LOST,
     RIGHT,
@@ -24,15 +24,15 @@ from rodgen_evidence.report.stability.extremes_run import (
     WRONG,
     balance,
     judge,
+    judge_fixed_step,
     of_adaptive,
-    of_fixed,
     verdict,
 )
-from rodgen_evidence.report.stability.extremes_truth import switched, tight
+from rodgen_evidence.report.stability.extremes_truth import piecewise, tight
 
 
 @pytest.fixture(scope="module")
-def swing() -> Extreme:
+def swing() -> ExtremeCase:
     """One link on a pin, of which the motion is known in closed form."""
     return next(case for case in links() if case.name == "1, a pendulum")
 
@@ -66,7 +66,7 @@ def test_nothing_is_wrong_in_the_short_report(monkeypatch: pytest.MonkeyPatch) -
 
 
 @pytest.mark.compiler
-def test_pendulum_is_right_by_all_methods(swing: Extreme) -> None:
+def test_pendulum_is_right_by_all_methods(swing: ExtremeCase) -> None:
     rows = judge(swing)
     assert len(rows) == 12
     assert {row["outcome"] for row in rows} == {RIGHT}
@@ -74,7 +74,7 @@ def test_pendulum_is_right_by_all_methods(swing: Extreme) -> None:
     assert all(row["truth_error"] == 0 and 0 < row["allowed"] <= 0.01 + 1e-9 for row in rows)
 
 
-def test_model_that_is_off_by_a_thousandth_is_wrong(swing: Extreme) -> None:
+def test_model_that_is_off_by_a_thousandth_is_wrong(swing: ExtremeCase) -> None:
     """No energy balance can tell: it is the same motion, a thousandth faster."""
     model = rodgen.build(swing.scene, "numpy")
     truth = swing.truth(swing.scene)
@@ -85,7 +85,7 @@ def test_model_that_is_off_by_a_thousandth_is_wrong(swing: Extreme) -> None:
 
 
 def test_method_whose_error_does_not_shrink_is_wrong(
-    swing: Extreme, monkeypatch: pytest.MonkeyPatch
+    swing: ExtremeCase, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """With the gain of a thousandth a step, half the step makes more of it."""
     weights = tuple(Fraction(1002, 1000) * b for b in TABLEAUX["rk4"].b)
@@ -95,7 +95,7 @@ def test_method_whose_error_does_not_shrink_is_wrong(
     assert verdict(swing, truth, "rk4", "numpy", model).outcome in (WRONG, LOST)
 
 
-def test_run_that_says_itself_how_wrong_it_is_is_lost(swing: Extreme) -> None:
+def test_run_that_says_itself_how_wrong_it_is_is_lost(swing: ExtremeCase) -> None:
     truth = swing.truth(swing.scene)
     sol = rodgen.simulate(swing.scene, target="numpy", method="dop853")
     off = np.linspace(1.0, 1.1, len(sol.t))[:, None]
@@ -105,7 +105,7 @@ def test_run_that_says_itself_how_wrong_it_is_is_lost(swing: Extreme) -> None:
     assert of_adaptive(truth, bad).outcome == LOST
 
 
-def _moved(solution: Solution, truth: Truth, by: float) -> Solution:
+def _moved(solution: Solution, truth: TrueMotion, by: float) -> Solution:
     """States that are off by a share of the motion at the end, energy left as it was."""
     y = truth.y.copy()
     y[-1, 0] += by * np.abs(truth.y[:, 0] - truth.y[0, 0]).max()
@@ -113,7 +113,7 @@ def _moved(solution: Solution, truth: Truth, by: float) -> Solution:
 
 
 def test_fixed_step_is_judged_at_its_own_step(
-    swing: Extreme, monkeypatch: pytest.MonkeyPatch
+    swing: ExtremeCase, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """79 % off is not right, however well half the step does."""
     monkeypatch.setattr(extremes_run, "balance", lambda _: 0.0)
@@ -128,18 +128,18 @@ def test_fixed_step_is_judged_at_its_own_step(
         (0.005, 0.001, RIGHT),
         (0.0, 0.0, RIGHT),
     ):
-        said = of_fixed(truth, _moved(sol, truth, coarse), _moved(sol, truth, fine))
+        said = judge_fixed_step(truth, _moved(sol, truth, coarse), _moved(sol, truth, fine))
         assert said.outcome == outcome, (coarse, fine)
     far, near = _moved(sol, truth, 0.79), _moved(sol, truth, 0.2)
-    assert of_fixed(truth, far, near, warned=True).outcome == WARNED
+    assert judge_fixed_step(truth, far, near, warned=True).outcome == WARNED
     # A balance of a hundredth says nothing of an error of four fifths.
     for share, outcome in ((0.5, LOST), (0.1, LOST), (0.01, UNSEEN), (0.0, UNSEEN)):
         monkeypatch.setattr(extremes_run, "balance", lambda _, share=share: share)
-        assert of_fixed(truth, far, near).outcome == outcome, share
+        assert judge_fixed_step(truth, far, near).outcome == outcome, share
 
 
 @pytest.mark.parametrize("condition", [1.0, 1e9])
-def test_adaptive_error_of_a_tenth_is_not_right(swing: Extreme, condition: float) -> None:
+def test_adaptive_error_of_a_tenth_is_not_right(swing: ExtremeCase, condition: float) -> None:
     """At a relative tolerance of 1e-4, whatever the condition of the motion."""
     truth = replace(swing.truth(swing.scene), condition=condition)
     sol = rodgen.simulate(swing.scene, target="numpy", method="dop853", rtol=1e-4, atol=1e-6)
@@ -150,7 +150,7 @@ def test_adaptive_error_of_a_tenth_is_not_right(swing: Extreme, condition: float
     assert said.allowed < 0.04
 
 
-def test_gauss_is_allowed_a_tolerance_a_step(swing: Extreme) -> None:
+def test_gauss_is_allowed_a_tolerance_a_step(swing: ExtremeCase) -> None:
     """A velocity that a step of h leaves off by tol/h is off by tol T/h after the time T."""
     truth = swing.truth(swing.scene)
     for method, tolerances, right in (
@@ -159,18 +159,18 @@ def test_gauss_is_allowed_a_tolerance_a_step(swing: Extreme) -> None:
         ("dop853", 300, False),
     ):
         sol = rodgen.simulate(swing.scene, target="numpy", method=method, rtol=1e-8, atol=1e-10)
-        off = tolerances * Measure(sol.scene, truth.y).tolerated()["angles"]
+        off = tolerances * Measure(sol.scene, truth.y).allowances()["angles"]
         moved = replace(_moved(sol, truth, off), stats=replace(sol.stats, nsteps=1000))
         assert (of_adaptive(truth, moved).outcome == RIGHT) is right, (method, tolerances)
 
 
-def test_run_without_an_end_is_no_verdict(swing: Extreme) -> None:
+def test_run_without_an_end_is_no_verdict(swing: ExtremeCase) -> None:
     tables = {**swing.tables, "integrate": {**swing.tables["integrate"], "max_steps": 10}}
-    case = Extreme("", tables, swing.truth)
+    case = ExtremeCase("", tables, swing.truth)
     assert verdict(case, swing.truth(case.scene), "rk45", "numpy").outcome == UNFINISHED
 
 
-def test_errors_are_measured_by_the_motion(swing: Extreme) -> None:
+def test_errors_are_measured_by_the_motion(swing: ExtremeCase) -> None:
     """By hand: it swings from 1.5 over the vertical at -pi/2; 0.1 rad over the range."""
     truth = swing.truth(swing.scene)
     measure = Measure(swing.scene, truth.y)
@@ -193,8 +193,8 @@ def test_reference_of_a_switched_load_knows_its_jumps_itself(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     """On at 0, off at 1 ms, and so on: without the scene's own break points."""
-    tables = pushed("3 if sin(2*pi*500*t) > 0 else 0", 0.01)
-    case = Extreme("", tables, switched([k * 1e-3 for k in range(1, 10)]))
+    tables = follower_rod("3 if sin(2*pi*500*t) > 0 else 0", 0.01)
+    case = ExtremeCase("", tables, piecewise([k * 1e-3 for k in range(1, 10)]))
     measure = Measure(case.scene, tight(case.scene).y)
     monkeypatch.setattr(rodgen.Scene, "breaks", lambda _: [])
     known = case.truth(case.scene)
@@ -210,7 +210,7 @@ def test_late_spans_move_as_that_from_zero_on() -> None:
     case = late["2 s, from 1.7e+09 s on"]
     assert tuple(case.scene.integrate.span) == (1.7e9, 1.7e9 + 2)
     zero = {**case.tables, "integrate": {"span": [0.0, 2.0]}}
-    sol = rodgen.simulate(Extreme("", zero, tight).scene, target="numpy", rtol=1e-9)
+    sol = rodgen.simulate(ExtremeCase("", zero, tight).scene, target="numpy", rtol=1e-9)
     assert of_adaptive(case.truth(case.scene), sol).outcome == RIGHT
     jumping = late["2 s, from 1.7e+09 s on, a force that jumps"].scene
     assert jumping.breaks() == [1.7e9 + 1]

@@ -15,9 +15,18 @@ import pytest
 import rodgen
 from rodgen.analyse.precision.contestant import NotModelledError
 from rodgen.analyse.precision.job import Job
+from rodgen.scene import Scene
 from rodgen_evidence.report.cases import cases, rod
-from rodgen_evidence.report.costs.rod import THRUST, built, packed
-from rodgen_evidence.report.peers import FAMILIES, LIBRARIES, RATES, chain, family, loads, peer
+from rodgen_evidence.report.costs.cost_rows import THRUST, built, parameter_vector
+from rodgen_evidence.report.peers import (
+    FAMILIES,
+    LIBRARIES,
+    RATES,
+    chain_accelerations,
+    family,
+    loads,
+    peer,
+)
 from rodgen_evidence.report.peers import prepare as prepared_rates
 from rodgen_evidence.report.peers.tree import Tree
 
@@ -55,17 +64,20 @@ def job(
     if boundary in CLAMPS:
         held["clamp_angle"] = CLAMPS[boundary]
     shape = {"phi": "0.3 + 0.1*s", "omega": "0.5*(s - 0.5)"}
-    return kind.of("small", rod("small", links, 0.2, rod=held, loads=tables, initial=shape))
+    table = rod("small", links, 0.2, rod=held, loads=tables, initial=shape)
+    return kind.of("small", Scene.from_dict(table))
 
 
 def by_hand(given: Job) -> peer.Accelerations:
-    """chain.py in numbers."""
+    """chain_accelerations.py in numbers."""
     scene = given.scene
 
     def found(t: float, y: Any) -> Any:
         p = loads.parameters(scene, t, loads.PLAIN)(t)
         q, u = np.split(y, 2)
-        return np.array(chain.accelerations(scene.structure, p, q, u, chain.NUMBERS))
+        return np.array(
+            chain_accelerations.accelerations(scene.structure, p, q, u, chain_accelerations.NUMBERS)
+        )
 
     return found
 
@@ -78,14 +90,16 @@ def test_expressions_are_the_scene(boundary: str, inertia: str) -> None:
     """With all loads: a hundred roundings of some 1000 operations."""
     given = job(boundary, inertia, LOADS | FINS)
     assert len(given.stretches) == 3  # kinks at 0.06 and 0.1 s
-    assert peer.agreed(given, by_hand(given)) < 1e-13
+    assert peer.check_accelerations(given, by_hand(given)) < 1e-13
 
 
 @pytest.mark.parametrize("table", [*LOADS, "external_damping"])
 def test_a_load_that_is_left_out_is_seen(table: str) -> None:
     whole, less = LOADS | FINS, {k: v for k, v in (LOADS | FINS).items() if k != table}
     with pytest.raises(ArithmeticError, match="differ"):
-        peer.agreed(job("clamped", "lumped", whole), by_hand(job("clamped", "lumped", less)))
+        peer.check_accelerations(
+            job("clamped", "lumped", whole), by_hand(job("clamped", "lumped", less))
+        )
 
 
 def test_expressions_without_conditions() -> None:
@@ -204,7 +218,7 @@ def test_what_cannot_be_modelled_is_refused(who: str) -> None:
 
 
 def test_too_many_links_are_refused() -> None:
-    many = Job.of("many", rod("many", 1000, 0.01))
+    many = Job.of("many", Scene.from_dict(rod("many", 1000, 0.01)))
     names = [
         "SciPy Radau",
         *(
@@ -236,6 +250,6 @@ def test_rates(name: str) -> None:
     prepared = prepared_rates(name, 5)
     y = np.random.default_rng(3).normal(scale=0.3, size=14)
     ours = built(5, THRUST)
-    exact = ours.rhs(0.0, y, packed(ours))
+    exact = ours.rhs(0.0, y, parameter_vector(ours))
     assert peer.difference(prepared.rhs(y), exact) < 1e-12
     assert prepared.batch(3) > 0

@@ -21,6 +21,7 @@ from rodgen.analyse.precision.contestant import (
 from rodgen.analyse.precision.contestant import sweep as measured
 from rodgen.analyse.precision.job import Job, Measures
 from rodgen.analyse.precision.work_precision import Reference
+from rodgen.scene import Scene
 from rodgen_evidence.report import peers
 from rodgen_evidence.report.cases import Case, cases
 from rodgen_evidence.report.contents import kind_of
@@ -51,7 +52,7 @@ def pendulum(span: float) -> dict[str, Any]:
 
 
 def made(name: str, table: dict[str, Any], folder: Path) -> tuple[Measurement, Reference]:
-    (row,) = references.measured(name, table, str(folder), quick=True)
+    (row,) = references.measure(name, table, str(folder), quick=True)
     return row, references.load(folder, name, table)
 
 
@@ -96,10 +97,10 @@ def test_scene_that_blows_up_is_a_row(
         Reference(np.zeros((2, 2)), np.zeros((2, 2)), np.zeros(2), {}), tmp_path, "pendulum", table
     )  # an old one
     start = time.process_time()
-    (row,) = references.measured("pendulum", table, folder, quick=True)
+    (row,) = references.measure("pendulum", table, folder, quick=True)
     assert time.process_time() - start < 10.0  # with the import of SymPy
     assert re.search(why, str(row["failed"]))
-    assert set(row) >= {"method", "order", "estimate_phi", "checked_by", "check_phi", "rhs"}
+    assert set(row) >= {"method", "order", "estimate_phi", "checked_by", "check_phi", "nfev"}
     assert not list(tmp_path.glob("*.npz"))
     (mine,) = contests.rodgens("pendulum", table, folder, True)
     (theirs,) = contests.of_peer("pendulum", table, folder, True, ["SciPy DOP853", "SciPy RK45"])
@@ -116,7 +117,7 @@ def test_scene_that_blows_up_is_a_row(
 @pytest.fixture(scope="module")
 def still() -> tuple[Job, np.ndarray]:
     """A free rod, straight and at rest at every sample, that moves to the right."""
-    job = Job.of("free_n10", scene_of("free_n10"))
+    job = Job.of("free_n10", Scene.from_dict(scene_of("free_n10")))
     states = np.tile(np.zeros_like(job.initial_state), (len(job.sample_times), 1))
     states[:, 12] = 2.0
     return job, states
@@ -208,7 +209,7 @@ def test_rodgens_rows_come_to_an_order_and_a_duel(tmp_path: Path) -> None:
     """From the reference to the fit, on a pendulum."""
     table = pendulum(10.0)
     made("pendulum", table, tmp_path)
-    job, held = contests.prepared("pendulum", table, str(tmp_path))
+    job, held = contests.load_job("pendulum", table, str(tmp_path))
     rows: list[Measurement] = []
     for method, target in contests.own_methods(job):
         if (method, target) in {("rk4", "c"), ("dop853", "c")}:
@@ -256,7 +257,7 @@ def test_orders_of_made_up_rows() -> None:
     assert fit["points"] == 6
     assert fit["order"] == 3.0
     adaptive = [
-        row("b", 10.0**-k, 1.0, 10.0 ** (-0.8 * k), kind="rtol", rhs=10 ** (k / 5))
+        row("b", 10.0**-k, 1.0, 10.0 ** (-0.8 * k), kind="rtol", nfev=10 ** (k / 5))
         for k in range(3, 9)
     ]
     found = {fit["against"]: fit for fit in fits(adaptive)}

@@ -12,9 +12,9 @@ from typing import Any, NamedTuple
 import pytest
 
 from rodgen.cli import main
-from rodgen_evidence.report import report as sections
+from rodgen_evidence.report import sections
 from rodgen_evidence.report.cases import cases
-from rodgen_evidence.report.report import SECTIONS, needed
+from rodgen_evidence.report.sections import SECTIONS, required_sections
 
 SCENE = """
 name = "{name}"
@@ -123,9 +123,9 @@ def test_folder_that_cannot_be_made_is_refused(rodgen: Callable[..., Any], comma
 
 
 def test_sections_bring_what_they_are_made_from() -> None:
-    assert needed(["equal_error"]) == ["references", "precision", "equal_error"]
-    assert needed(["install"]) == ["install"]
-    assert needed(SECTIONS) == list(SECTIONS)
+    assert required_sections(["equal_error"]) == ["references", "precision", "equal_error"]
+    assert required_sections(["install"]) == ["install"]
+    assert required_sections(SECTIONS) == list(SECTIONS)
     depths = {name: sections._depth(name) for name in SECTIONS}
     assert depths["references"] < depths["precision"] < depths["equal_error"]
     assert depths["references"] < depths["growth"]

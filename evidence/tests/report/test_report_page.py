@@ -129,7 +129,7 @@ def test_nothing_is_half_written(tmp_path, monkeypatch):
     def fails(_):
         raise RuntimeError("no picture")
 
-    monkeypatch.setattr(report_curves, "saved", fails)
+    monkeypatch.setattr(report_curves, "savings", fails)
     contents["leaving_out"][0].rows[0]["run"] = 1e-3
     with pytest.raises(RuntimeError, match="no picture"):
         write_report(tmp_path, contents, {**MADE, "seconds": 9.0})

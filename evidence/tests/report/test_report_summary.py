@@ -10,11 +10,11 @@ from evidence.tests.report.report_rows import NASTY, SCENES, made_up, others, pr
 from rodgen.analyse.precision.contestant import Measurement
 from rodgen.analyse.precision.rows import format_label, format_short
 from rodgen_evidence.pages import report_curves
-from rodgen_evidence.report.contents import failed_of, frame, kind_of, trusted
+from rodgen_evidence.report.contents import failed_of, frame, kind_of, reference_error
 from rodgen_evidence.report.costs.leaving_out import savings
 from rodgen_evidence.report.precision.growth import growth_line
+from rodgen_evidence.report.report_summary import best_row, growth, sentences
 from rodgen_evidence.report.stability.rounding import losing
-from rodgen_evidence.report.summary import best_row, growth, sentences
 from rodgen_evidence.report.unit import Measured
 from tests.told import numbers
 
@@ -25,7 +25,7 @@ def test_summary_follows_the_numbers():
     assert best["1e-3"].startswith("dop853 in C, rtol 1e-5")
     assert numbers(best["1e-9"]) == [1.2e-8]  # no one has less
     contents["references"][1].rows[0]["estimate_phi"] = 1e-5
-    assert trusted(contents, "missile") == 1e-5
+    assert reference_error(contents, "missile") == 1e-5
     assert "rtol" not in best_row(contents, "missile")["1e-6"]  # which cannot be told
     rows, extremes, steps, _, duels, _ = sentences(contents)
     assert numbers(rows) == [409, 13, 3, 3]

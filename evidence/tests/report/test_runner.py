@@ -11,7 +11,7 @@ from pathlib import Path
 
 import pytest
 
-from rodgen_evidence.report import report
+from rodgen_evidence.report import sections
 from rodgen_evidence.report.runner import Runner
 from rodgen_evidence.report.unit import Measured, Unit
 
@@ -134,13 +134,13 @@ def test_other_sections_are_kept_on_resume(tmp_path: Path, monkeypatch: pytest.M
     def units(section: str, *_: object) -> list[Unit]:
         return [Unit(section, section, "judged_work:rows", {"value": section})]
 
-    monkeypatch.setattr(report, "_units", units)
-    first = report.measure([], tmp_path, ["steps"])
+    monkeypatch.setattr(sections, "_units", units)
+    first = sections.measure([], tmp_path, ["steps"])
     assert list(first) == ["steps"]
-    both = report.measure([], tmp_path, ["costs"], resume=True)
+    both = sections.measure([], tmp_path, ["costs"], resume=True)
     assert list(both) == ["costs", "steps"]
     assert both["steps"] == first["steps"]
-    assert list(report.measure([], tmp_path, ["costs"])) == ["costs"]
+    assert list(sections.measure([], tmp_path, ["costs"])) == ["costs"]
 
 
 @pytest.mark.nightly

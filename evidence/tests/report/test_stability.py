@@ -17,7 +17,7 @@ from rodgen.model.terms import THESIS_TERMS
 from rodgen_evidence.report.contents import frame
 from rodgen_evidence.report.stability import rounding, steps
 from rodgen_evidence.report.stability.rounding import constraints, exact_rates
-from rodgen_evidence.report.stability.rounding_states import Extreme, extremes
+from rodgen_evidence.report.stability.rounding_states import ExtremeState, extremes
 from rodgen_evidence.report.stability.steps import (
     Trial,
     grows,
@@ -117,7 +117,7 @@ def five() -> ModuleType:
     return load_module(GENERATED / "rod_free_n5.py")
 
 
-def _ordinary(links: int) -> Extreme:
+def _ordinary(links: int) -> ExtremeState:
     return next(extremes(links))
 
 
@@ -167,13 +167,13 @@ def test_chain_form_that_loses_digits_is_named() -> None:
     rough.rhs = lambda t, y, p: made.rhs(t, y, p).astype(np.float32).astype(float)
     for chain, some in ((made, False), (rough, True)):
         forms = {"numpy chain": chain, "numpy dense": dense}
-        rows = rounding._judged(forms, _ordinary(5), 2)
+        rows = rounding._rounding_rows(forms, _ordinary(5), 2)
         assert len(rounding.losing(frame(rows))) == some
 
 
 def test_inputs_are_moved_by_one_unit() -> None:
     values = np.array([1.0, -3.0, 1e300, 0.0])
-    moved = rounding._moved(values, np.random.default_rng(1))
+    moved = rounding._neighbours(values, np.random.default_rng(1))
     assert (np.abs(moved - values) <= np.spacing(np.abs(values))).all()
     assert (moved != values).all()
 

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import pytest
 
-from rodgen_evidence.thesis.audit.audit import audit
 from rodgen_evidence.thesis.audit.claim import Finding
+from rodgen_evidence.thesis.audit.thesis_claims import audit
 
 
 @pytest.fixture(scope="session")

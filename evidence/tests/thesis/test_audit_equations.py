@@ -22,11 +22,11 @@ from typer.testing import CliRunner
 from rodgen.cli.app import app
 from rodgen.derive.symbols import k, l, m, vx0
 from rodgen_evidence.pages.audit_page import csv_text, html, json_object, markdown, write_audit
-from rodgen_evidence.thesis.audit import audit
-from rodgen_evidence.thesis.audit.audit import equation_claims
+from rodgen_evidence.thesis.audit import thesis_claims
 from rodgen_evidence.thesis.audit.claim import Claim, Entries, Finding, Verdict, judge
 from rodgen_evidence.thesis.audit.java_steppers import stepper_orders
 from rodgen_evidence.thesis.audit.latex import read
+from rodgen_evidence.thesis.audit.thesis_claims import equation_claims
 from rodgen_evidence.thesis.audit.truth import D_x, domega, omega, phi, truth
 from rodgen_evidence.thesis.audit.zero import is_zero
 
@@ -210,10 +210,10 @@ def test_tables_hold_every_finding(findings: list[Finding], tmp_path: Path) -> N
 def test_command(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     """Of a few claims, one of them of the listing."""
     some = {"2.1": "exact", "2.37": "missing", "2.64": "sign conflict", "Java 120-124": "exact"}
-    claims = audit.equation_claims() + audit.listing_claims()
+    claims = thesis_claims.equation_claims() + thesis_claims.listing_claims()
     *of_text, of_listing = (c for c in claims if c.number in some)
-    monkeypatch.setattr(audit, "equation_claims", lambda: of_text)
-    monkeypatch.setattr(audit, "listing_claims", lambda: [of_listing])
+    monkeypatch.setattr(thesis_claims, "equation_claims", lambda: of_text)
+    monkeypatch.setattr(thesis_claims, "listing_claims", lambda: [of_listing])
     result = CliRunner().invoke(app, ["audit", "--out", str(tmp_path), "--json"])
     assert result.exit_code == 0
     told = json.loads(result.stdout)

@@ -16,12 +16,11 @@ from sympy import Expr, Matrix, Rational, S, expand, expand_trig
 import rodgen
 from rodgen.integrate.methods.python_steppers import explicit_step
 from rodgen.model.methods import TABLEAUX
-from rodgen_evidence.thesis.audit.audit import listing_claims
 from rodgen_evidence.thesis.audit.claim import Claim, Finding, Verdict, judge
 from rodgen_evidence.thesis.audit.java_equation import MEAN, WITHOUT, FreeRodModel
 from rodgen_evidence.thesis.audit.java_letters import Symbolic, centre, joints
 from rodgen_evidence.thesis.audit.java_object import ARRAYS, FLOATS, LETTER
-from rodgen_evidence.thesis.audit.java_schemes import filled, method, scheme
+from rodgen_evidence.thesis.audit.java_schemes import filled_object, method, scheme
 from rodgen_evidence.thesis.audit.java_steppers import (
     ALL,
     NONE,
@@ -39,6 +38,7 @@ from rodgen_evidence.thesis.audit.java_steps import (
     stepImprovedEuler,
     stepRungeKutta,
 )
+from rodgen_evidence.thesis.audit.thesis_claims import listing_claims
 
 CLAIMS = listing_claims()
 # What is not exact; the tests below say why.
@@ -204,7 +204,7 @@ def test_the_program_as_printed_stops() -> None:
 
 def test_getters_hand_out_members() -> None:
     """Plain getters the member itself; getVelocitiesX and getVelocitiesY an array of their own."""
-    it = filled(2)
+    it = filled_object(2)
     for name, member in ARRAYS.items():
         assert it.getArray(name) is getattr(it, member)
     it.getVelocitiesX()[0] = it.getVelocitiesY()[0] = S.Zero
@@ -302,7 +302,7 @@ def test_orders(orders: dict[tuple[str, str, str], Order]) -> None:
     assert set(true) < set(orders)
     for key, order in orders.items():
         expected = true.get(key, 1)
-        assert order.measured == pytest.approx(expected, abs=0.2), key
+        assert order.slope == pytest.approx(expected, abs=0.2), key
         assert order.verdict is (Verdict.EXACT if expected == order.nominal else Verdict.MISPRINT)
 
 

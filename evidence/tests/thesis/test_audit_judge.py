@@ -18,7 +18,6 @@ from sympy import (
 from rodgen.derive import link_properties
 from rodgen.derive.loads import LOADS
 from rodgen.derive.loads.follower import Follower
-from rodgen_evidence.thesis.audit.audit import equation_claims
 from rodgen_evidence.thesis.audit.claim import (
     NOT_PRINTED,
     Claim,
@@ -28,7 +27,17 @@ from rodgen_evidence.thesis.audit.claim import (
     judge,
 )
 from rodgen_evidence.thesis.audit.equations_energy import matrix_rows
-from rodgen_evidence.thesis.audit.truth import D_x, Truth, domega, nu, omega, phi, product, truth
+from rodgen_evidence.thesis.audit.thesis_claims import equation_claims
+from rodgen_evidence.thesis.audit.truth import (
+    D_x,
+    TrueEquations,
+    domega,
+    nu,
+    omega,
+    phi,
+    product,
+    truth,
+)
 from rodgen_evidence.thesis.audit.zero import is_zero
 
 
@@ -130,14 +139,14 @@ def test_2_41_with_another_sign_of_a_matrix() -> None:
     exact = claim("2.41")
     (form,) = exact.readings.values()
 
-    def turned(term: Callable[[Truth], list[Expr]]) -> Entries:
+    def turned(term: Callable[[TrueEquations], list[Expr]]) -> Entries:
         def rows(n: int) -> list[Expr]:
             terms = [*term(truth(n)), *[S.Zero] * (n + 2)]
             return [row + 2 * e for row, e in zip(form(n), terms, strict=True)]
 
         return rows
 
-    terms: list[Callable[[Truth], list[Expr]]] = [
+    terms: list[Callable[[TrueEquations], list[Expr]]] = [
         lambda t: product(t.Q, [w**2 for w in omega[: t.n]]),
         lambda t: [-e for e in product(t.K, list(phi[: t.n]))],
     ]

@@ -17,22 +17,29 @@ from rodgen.integrate import simulate
 from rodgen_evidence.pages.thesis_page import summary, write_thesis
 from rodgen_evidence.thesis import (
     clamp,
-    critical,
+    critical_forces,
     data,
     frequencies,
+    largest_steps,
     mass_spring_table,
-    methods,
     outlook,
     rebuild,
     run_times,
     scenes,
-    statics,
+    static_deflection,
 )
-from rodgen_evidence.thesis.hypotheses import shifted
-from rodgen_evidence.thesis.methods import rounded_down
+from rodgen_evidence.thesis.hypotheses import numerical_frequency
+from rodgen_evidence.thesis.largest_steps import rounded_down
 from rodgen_evidence.thesis.percentages import ANALYTICAL, NEITHER, SIMULATED, base_of, percentages
-from rodgen_evidence.thesis.table import INCOMPARABLE, Note, Table, agreed, by_size, verdict
-from rodgen_evidence.thesis.timing import times
+from rodgen_evidence.thesis.special_times import times
+from rodgen_evidence.thesis.table import (
+    INCOMPARABLE,
+    Remark,
+    ThesisTable,
+    by_size,
+    matching_digits,
+    verdict,
+)
 
 
 def bases(table: str) -> list[str]:
@@ -70,7 +77,7 @@ def test_analytical_values_follow_from_their_formulas():
     ],
 )
 def test_digits_that_agree(printed: str, value: float, count: int):
-    assert agreed(printed, value) == count
+    assert matching_digits(printed, value) == count
 
 
 def test_verdicts_follow_from_the_numbers():
@@ -100,24 +107,30 @@ def test_deviations_are_counted_by_decades():
     ],
 )
 def test_rows_to_all_digits_are_counted(verdicts: list[str | None], words: str):
-    assert summary(Table("3.1", "", (), DataFrame({"verdict": verdicts}, dtype=object))) == words
+    assert (
+        summary(ThesisTable("3.1", "", (), DataFrame({"verdict": verdicts}, dtype=object))) == words
+    )
 
 
 def test_steps_shift_frequencies_as_known():
     # Semi-implicit Euler: sin(pi f' h) = pi f h, to second order f' = f (1 + (2 pi f h)^2 / 24).
-    assert shifted(1.0, 1e-2, "semi_implicit_euler") == pytest.approx(1.000164535, abs=1e-7)
+    assert numerical_frequency(1.0, 1e-2, "semi_implicit_euler") == pytest.approx(
+        1.000164535, abs=1e-7
+    )
 
 
 def test_printed_steps_ask_for_one_damping():
-    product, links = methods.common(methods.dampings())
-    assert product.low <= methods.DAMPING * scenes.MASS < product.high
+    product, links = largest_steps.common(largest_steps.dampings())
+    assert product.low <= largest_steps.DAMPING * scenes.MASS < product.high
     assert links == (10, 20, 30, 40)
 
 
 def test_printed_steps_ask_for_one_mass(monkeypatch: pytest.MonkeyPatch):
     # omega = 4 sqrt(3) n^2 sqrt(EI / (M L^3)), which the fastest mode has for many links.
-    monkeypatch.setattr(methods, "fastest", lambda n: 48**0.5 * n**2 * (100 / (50 * 125)) ** 0.5)
-    mass, links = methods.common(methods.masses("semi_implicit_euler"))
+    monkeypatch.setattr(
+        largest_steps, "fastest", lambda n: 48**0.5 * n**2 * (100 / (50 * 125)) ** 0.5
+    )
+    mass, links = largest_steps.common(largest_steps.masses("semi_implicit_euler"))
     assert mass.low < scenes.MASS < mass.high
     assert links == (10, 20, 30, 40)
 
@@ -126,11 +139,11 @@ def test_printed_steps_ask_for_one_mass(monkeypatch: pytest.MonkeyPatch):
 def test_two_columns_ask_for_masses_that_overlap():
     """And the damping kept, 55 kg gives one more of the 15 printed steps than 50 kg."""
     semi, kutta = (
-        methods.common(methods.masses(method))[0]
+        largest_steps.common(largest_steps.masses(method))[0]
         for method in ("semi_implicit_euler", "thesis_runge_kutta")
     )
     assert semi.low < kutta.low < semi.high < kutta.high
-    assert (methods.reproduced(50.0), methods.reproduced(55.0)) == (11, 12)
+    assert (largest_steps.count_matches(50.0), largest_steps.count_matches(55.0)) == (11, 12)
 
 
 def _costs(euler: tuple[float, float], semi: tuple[float, float]) -> DataFrame:
@@ -160,11 +173,11 @@ def test_run_times_say_how_often_they_were_multiplied():
 def test_two_frequencies_that_have_not_met_beat():
     """A bend becomes a hundredfold below the critical force, and goes back: it does not grow."""
     force = 411.776430 * (1 - 9.5e-5)
-    period = critical.beat(10, "free", force)
+    period = critical_forces.beat(10, "free", force)
     scene = scenes.thrust(
         10,
         force=force,
-        initial={"phi": critical.BENT["free"]},
+        initial={"phi": critical_forces.BENT["free"]},
         method="dop853",
         rtol=1e-8,
         span=[0.0, 1.2 * period],
@@ -175,17 +188,17 @@ def test_two_frequencies_that_have_not_met_beat():
     assert bend.max() > 100
     # Seen over one swing of the rod, 2.2 s, the bend is small again after a whole beat.
     assert bend[np.abs(run.t - period) < 1.1].max() < bend.max() / 4
-    assert math.isnan(critical.beat(10, "free", 412.0))  # beyond the onset it grows
+    assert math.isnan(critical_forces.beat(10, "free", 412.0))  # beyond the onset it grows
 
 
 COLUMNS = {
     "3.1": frequencies.COLUMNS_3_1,
     "3.2": frequencies.COLUMNS_3_2,
-    "3.3": statics.COLUMNS,
-    "3.4": critical.COLUMNS_3_4,
+    "3.3": static_deflection.COLUMNS,
+    "3.4": critical_forces.COLUMNS_3_4,
     "3.5": mass_spring_table.COLUMNS,
-    "3.6": critical.COLUMNS_3_6,
-    "4.1": methods.COLUMNS_4_1,
+    "3.6": critical_forces.COLUMNS_3_6,
+    "4.1": largest_steps.COLUMNS_4_1,
     "4.2": run_times.COLUMNS,
     "clamp": clamp.columns_of(clamp.LINKS),
     "outlook": outlook.COLUMNS,
@@ -198,7 +211,7 @@ TEXTS = {
 }
 
 
-def made_up(number: str) -> Table:
+def made_up(number: str) -> ThesisTable:
     """A table with all its columns and numbers of no meaning: the page is tested, not they."""
     rows = DataFrame(
         {
@@ -209,15 +222,15 @@ def made_up(number: str) -> Table:
     )
     if "thesis" in rows:
         rows.loc[1, "thesis"] = math.nan
-    table = Table(number, f"of {number}", COLUMNS[number], rows, ["L = 5 m"], ["m < 1 kg"])
-    table.notes, table.curve = [Note("shown", "a < b")], [(0.0, 0.0), (5.0, -0.1)]
+    table = ThesisTable(number, f"of {number}", COLUMNS[number], rows, ["L = 5 m"], ["m < 1 kg"])
+    table.notes, table.curve = [Remark("shown", "a < b")], [(0.0, 0.0), (5.0, -0.1)]
     return table
 
 
 @pytest.mark.nightly
 def test_free_rod_end_to_end():
     # 109.68919 EI/L^2: the root of the characteristic equation, which the discrete model tends to.
-    (row,) = critical.table_3_4([10], span=100.0).rows.to_dict("records")
+    (row,) = critical_forces.table_3_4([10], span=100.0).rows.to_dict("records")
     assert row["discrete"] == pytest.approx(411.776, abs=1e-3)
     assert row["simulated"] == pytest.approx(row["discrete"], rel=5e-4)
     assert row["continuum"] == pytest.approx(4 * float(thrust().load))
@@ -240,7 +253,7 @@ def test_the_outlook_is_answered():
     modes have the shapes of the continuum but for 1/n^2, 6e-4 times some ten for the third."""
     rows = outlook.table_outlook().rows
     value = dict(zip(rows["quantity"], rows["value"], strict=True))
-    force = critical_load(outlook.pushed(outlook.FORCE)).value
+    force = critical_load(outlook.cantilever(outlook.FORCE)).value
     assert value[outlook.BEGIN] == pytest.approx(force, rel=1e-9)
     assert value["first Lyapunov coefficient (below 0: supercritical)"] < 0
     assert (rows[rows["question"] == outlook.SHAPES]["value"] < 0.01).all()
@@ -248,7 +261,7 @@ def test_the_outlook_is_answered():
     medium = rows[rows["question"] == outlook.MEDIUM]
     swings = medium["value"][medium["quantity"].str.startswith(outlook.SWING)].to_numpy()
     assert (np.diff(swings) < 0).all()
-    late = simulate(outlook.pushed(outlook.FORCE, outlook.EXTERNAL[-1]))
+    late = simulate(outlook.cantilever(outlook.FORCE, outlook.EXTERNAL[-1]))
     tail = np.abs(late.phi[late.t > 0.8 * outlook.SPAN]).max()
     assert tail == pytest.approx(swings[-1], rel=0.01)  # samples miss the crest by a little
     assert value["first exponent at 200 N [1/s]"] > 2 * value["its error at 200 N [1/s]"]

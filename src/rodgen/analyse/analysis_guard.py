@@ -115,7 +115,7 @@ def check_analysis_memory(
             bytes_ += SHAPE * links * min(count, links)
         return bytes_
 
-    check_memory(analysis, structure.links, needed_bytes)
+    check_memory(analysis, structure.n_links, needed_bytes)
 
 
 def check_whole_number(

@@ -30,6 +30,7 @@ from rodgen.analyse.simulated_critical import (
     GrowthTest,
     SimulatedCritical,
     bisect_growth,
+    comparison_rows,
     find_difference,
 )
 from rodgen.analyse.steady_rod import TIME, StateResult
@@ -153,7 +154,7 @@ class Critical(StateResult, Plottable):
             "simulated",
             "by simulation",
             of=lambda found: found.simulated and found.simulated.to_dict(),
-            text=lambda found: found.simulated and found.simulated.comparison_rows(found.value),
+            text=lambda found: found.simulated and comparison_rows(found.simulated, found.value),
         ),
         *TIME,
     )

@@ -106,7 +106,7 @@ class Description(Result):
     @property
     def links(self) -> int:
         """Number of links."""
-        return self.system.structure.links
+        return self.system.structure.n_links
 
     @cached_property
     def mass(self) -> float:

@@ -24,25 +24,25 @@ LOOSE = 1e-12  # of the largest effect of a shift of the rod: one that has none,
 @dataclass(frozen=True)
 class JointForceBalance:
     """Equilibrium equations with joint forces as unknowns, so that a Newton step costs O(n): of a
-    rod held at joint 0 alone, whose loads do not depend on the motion. residual (cells, 3)."""
+    rod held at joint 0 alone, whose loads do not depend on the motion. residual (n_moving, 3)."""
 
-    cells: ImplicitBlocks
+    blocks: ImplicitBlocks
     bend: Array | float
 
     @property
     def residual(self) -> Array:
         """Residual, less the prescribed one (`bend`)."""
-        return np.asarray(self.cells.residual - self.bend)
+        return np.asarray(self.blocks.residual - self.bend)
 
     @property
     def rates(self) -> Array:
         """Residual as accelerations [rad/s^2]."""
-        return self.cells.residual
+        return self.blocks.residual
 
     def solve(self, right: Array, shift: float = 0.0) -> Unknowns:
         """Solve for the change of the unknowns that changes the residual by `right`; shift: 1/tau^2
         of a time step with inertia [1/s^2]."""
-        z = self.cells.solve(right, shift)
+        z = self.blocks.solve(right, shift)
         return Unknowns(z[:, 0], z[:, 1:], np.zeros(0), np.zeros(0))
 
     @property
@@ -56,12 +56,12 @@ class JointForceBalance:
 
     def dense_pencil(self) -> DensePencil:
         """Matrices of small undamped motions about this state."""
-        dense = self.cells.to_dense()
+        dense = self.blocks.to_dense()
         return DensePencil(dense.S0, np.zeros_like(dense.S0), dense.S2)
 
     def determinant_sign(self) -> int:
         """Sign of the determinant of the stiffness."""
-        return determinant_sign(splu(to_sparse(self.cells.statics)))
+        return determinant_sign(splu(to_sparse(self.blocks.statics)))
 
 
 @dataclass(frozen=True)
@@ -103,7 +103,7 @@ class DenseBalance:
     @cached_property
     def _inertial_coupling(self) -> Array:
         """Generalised forces on all coordinates, by inertia, for a force on joint 0 in the
-        directions in which nothing holds it (base + cells, base)."""
+        directions in which nothing holds it (base + n_moving, base)."""
         moved = self._full_mass[:, : self.rod.n_base] @ self.free_directions.T
         return np.asarray(
             moved
@@ -161,14 +161,14 @@ class DenseBalance:
         Each entry depends on the angle between two links, or between a link and joint 0, which does
         not turn: one difference gives all, with every link turned by one NUDGE more than the last.
         """
-        base, cells, half = self.rod.n_base, self.rod.n_moving, self.n_positions
-        turned = NUDGE * np.append(np.zeros(base), 1.0 + np.arange(cells))
+        base, n_moving, half = self.rod.n_base, self.rod.n_moving, self.n_positions
+        turned = NUDGE * np.append(np.zeros(base), 1.0 + np.arange(n_moving))
         apart, y = turned[:, None] - turned, self.y.copy()
         y[:half] += turned
         change = self.rod.model.mass_matrix(y, self.p) - self._full_mass
         by_turn = np.divide(change, apart, out=np.zeros_like(change), where=apart != 0)
         rates = self.rates[:half]
-        rates = rates - np.append(self._inertial_coupling.T @ rates, np.zeros(cells))
+        rates = rates - np.append(self._inertial_coupling.T @ rates, np.zeros(n_moving))
         felt = (np.diag(by_turn @ rates) - by_turn * rates)[:, base:]
         slope = np.zeros((len(self.rates), len(self.rates)))
         slope[:half, base:half] = felt - self._inertial_coupling @ felt[:base]
@@ -210,10 +210,10 @@ class DenseBalance:
             raise AnalysisError(SINGULAR) from None
         if not np.isfinite(found).all():
             raise AnalysisError(SINGULAR)
-        base, cells = self.rod.n_base, self.rod.n_moving
+        base, n_moving = self.rod.n_base, self.rod.n_moving
         change: Array = self.basis @ found
-        position, phi, added = np.split(change, [base, base + cells])
-        return Unknowns(phi, np.zeros((cells, 2)), position, added)
+        position, phi, added = np.split(change, [base, base + n_moving])
+        return Unknowns(phi, np.zeros((n_moving, 2)), position, added)
 
     @property
     def tail_moment(self) -> Array:

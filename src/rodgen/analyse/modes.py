@@ -251,15 +251,15 @@ def _find_eigenvalues(
     state: SteadyState, pencil: BlockPencil | DensePencil, count: int
 ) -> EigenSolution:
     """Compute all eigenvalues, or enough of the lowest."""
-    cells, turns = state.rod.n_moving, state.has_free_rotation
+    n_moving, turns = state.rod.n_moving, state.has_free_rotation
     report_stage("looking for eigenvalues")
     if isinstance(pencil, DensePencil):
         return all_eigenvalues(pencil)
-    if cells <= max(DENSE, 3 * count) or (pencil.is_damped and cells <= MOST_DENSE):
+    if n_moving <= max(DENSE, 3 * count) or (pencil.is_damped and n_moving <= MOST_DENSE):
         found = all_eigenvalues(pencil, turns)
         return (
             refine_eigenvalues(pencil, found, _select_modes(found.s, count)[1])
-            if cells > DENSE
+            if n_moving > DENSE
             else found
         )
     asked = count

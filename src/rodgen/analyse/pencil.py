@@ -30,10 +30,10 @@ SINGULAR = "the linearised equations are singular"
 
 @dataclass(frozen=True)
 class ImplicitBlocks:
-    """Implicit equations at zero angular rates and accelerations: residual (cells, 3), derivatives
-    by angle, rate (3, cells, 3), unknowns (3, cells, 3, 3), and by the velocities of the joints at
-    the start and at the end of every link (2, cells, 3, 2). With supports also by the positions of
-    joints, and derivatives of these by the angles (cells + 1, 2, cells)."""
+    """Implicit equations at zero angular rates and accelerations: residual (n_moving, 3),
+    derivatives by angle, rate (3, n_moving, 3), unknowns (3, n_moving, 3, 3), and by the velocities
+    of the joints at the start and at the end of every link (2, n_moving, 3, 2). With supports also
+    by the positions of joints, and derivatives of these by angles (n_moving + 1, 2, n_moving)."""
 
     residual: Array
     by_angle: Array
@@ -81,11 +81,11 @@ class ImplicitBlocks:
 
     @property
     def statics(self) -> Array:
-        """Derivatives by angle and joint force, (3, cells, 3, 3)."""
+        """Derivatives by angle and joint force, (3, n_moving, 3, 3)."""
         return np.concatenate((self.by_angle[..., None], self.by_unknown[..., 1:]), axis=-1)
 
     def solve(self, right: Array, shift: float = 0.0) -> Array:
-        """Solve for the changes of angles and joint forces (cells, 3) that change the residual by
+        """Solve for changes of angles and joint forces (n_moving, 3) that change the residual by
         `right`; shift: factor of the inertia added to the stiffness [1/s^2]."""
         blocks = self.statics + shift * BlockPencil.of(self).S2 if shift else self.statics
         return solve(blocks, right.ravel()).reshape(-1, 3)
@@ -152,15 +152,15 @@ class QuadraticPencil:
 
 
 class BlockPencil(QuadraticPencil):
-    """Block-tridiagonal pencil: blocks (3, cells, 3, 3) by the cell before, own and after."""
+    """Block-tridiagonal pencil: blocks (3, n_moving, 3, 3) by the cell before, own and after."""
 
     @classmethod
-    def of(cls, cells: ImplicitBlocks) -> BlockPencil:
+    def of(cls, blocks: ImplicitBlocks) -> BlockPencil:
         """Form the pencil from the implicit equations at a steady state."""
-        nothing = np.zeros_like(cells.by_unknown[..., 1:])
-        rate = np.concatenate((cells.by_rate[..., None], nothing), axis=-1)
-        inertia = np.concatenate((cells.by_unknown[..., :1], nothing), axis=-1)
-        return cls(cells.statics, rate, inertia)
+        nothing = np.zeros_like(blocks.by_unknown[..., 1:])
+        rate = np.concatenate((blocks.by_rate[..., None], nothing), axis=-1)
+        inertia = np.concatenate((blocks.by_unknown[..., :1], nothing), axis=-1)
+        return cls(blocks.statics, rate, inertia)
 
     @property
     def n_moving(self) -> int:
@@ -182,7 +182,7 @@ class BlockPencil(QuadraticPencil):
 
     def eliminate_forces(self, phi: Matrix) -> tuple[Array, Array, Array]:
         """Eliminate the joint forces: K phi, C phi, M phi of (K + s C + s^2 M) phi = 0, for angles
-        phi (cells, k), in O(n k)."""
+        phi (n_moving, k), in O(n k)."""
         joints, lean = self.S0[:, :, 1:, 1:], self.S0[:, :, :1, 1:]
         felt = [S for S in self.parts if S.any()]
         # Right sides of all three at once: solving takes longer to begin than to do.
@@ -198,7 +198,7 @@ class BlockPencil(QuadraticPencil):
         return DensePencil(*self.eliminate_forces(np.eye(self.n_moving)))
 
     def project(self, basis: Matrix) -> DensePencil:
-        """Project on motions whose angles are the basis (cells, k) times coordinates."""
+        """Project on motions whose angles are the basis (n_moving, k) times coordinates."""
         K, C, M = (basis.T @ columns for columns in self.eliminate_forces(basis))
         return DensePencil(K, C, M)
 
@@ -233,7 +233,7 @@ class MatrixPencil(QuadraticPencil):
     def without_rotation(cls, pencil: BlockPencil, turning: Array | None) -> MatrixPencil:
         """Remove the eigenvalue zero of the rigid rotation of a rod that turns freely: the first
         angle is held, and a moment that only turns the rod as a whole makes up for it. turning:
-        columns (3 cells,) of the rigid rotation, None where it is not free."""
+        columns (3 n_moving,) of the rigid rotation, None where it is not free."""
         if turning is None:
             return cls.of(pencil)
         S0, S1, S2 = map(to_sparse, pencil.parts)
@@ -291,7 +291,7 @@ class DensePencil(MatrixPencil):
         return len(self.S0)
 
     def to_dense(self) -> DensePencil:
-        """Itself: there are no joint forces to eliminate."""
+        """The pencil itself: there are no joint forces to eliminate."""
         return self
 
     def project(self, basis: Matrix) -> DensePencil:
@@ -317,18 +317,18 @@ def _largest_entries(sizes: Any, axis: int) -> Array:
 
 
 def to_sparse(blocks: Matrix) -> csc_array:
-    """Assemble a sparse matrix from blocks (3, cells, rows, columns)."""
-    _, cells, *shape = blocks.shape
-    there, rows, columns = block_entries(cells, *shape)
-    size = (shape[0] * cells, shape[1] * cells)
+    """Assemble a sparse matrix from blocks (3, n_moving, rows, columns)."""
+    _, n_moving, *shape = blocks.shape
+    there, rows, columns = block_entries(n_moving, *shape)
+    size = (shape[0] * n_moving, shape[1] * n_moving)
     return csc_array((blocks[there], (rows, columns)), shape=size)
 
 
 def _to_full(blocks: Matrix) -> Matrix:
-    """Assemble a full matrix from blocks (3, cells, rows, columns)."""
-    _, cells, *shape = blocks.shape
-    there, rows, columns = block_entries(cells, *shape)
-    matrix = np.zeros((shape[0] * cells, shape[1] * cells), dtype=blocks.dtype)
+    """Assemble a full matrix from blocks (3, n_moving, rows, columns)."""
+    _, n_moving, *shape = blocks.shape
+    there, rows, columns = block_entries(n_moving, *shape)
+    matrix = np.zeros((shape[0] * n_moving, shape[1] * n_moving), dtype=blocks.dtype)
     matrix[rows, columns] = blocks[there]
     return matrix
 
@@ -348,8 +348,8 @@ def solve(blocks: Matrix, right: Matrix, transposed: bool = False) -> Matrix:
 
 
 def joint_forces(rod: SteadyRod, at: Unknowns, p: Array) -> tuple[Array, Array]:
-    """Angular accelerations (cells,) [rad/s^2] and joint forces over the mass of a link (cells, 2)
-    [m/s^2] of the rod at rest, or in flight: the implicit form is linear in both."""
-    cells = ImplicitBlocks.at(rod, at._replace(force=np.zeros((rod.n_moving, 2))), p)
-    unknowns = solve(cells.by_unknown, -cells.residual.ravel()).reshape(-1, 3)
+    """Angular accelerations (n_moving,) [rad/s^2], joint forces over the mass of a link
+    (n_moving, 2) [m/s^2] of the rod at rest, or in flight: the implicit form is linear in both."""
+    blocks = ImplicitBlocks.at(rod, at._replace(force=np.zeros((rod.n_moving, 2))), p)
+    unknowns = solve(blocks.by_unknown, -blocks.residual.ravel()).reshape(-1, 3)
     return unknowns[:, 0], unknowns[:, 1:]

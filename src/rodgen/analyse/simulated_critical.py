@@ -135,21 +135,22 @@ class SimulatedCritical(Result):
         module = "C" if self.target == "c" else "NumPy"
         return f"{self.runs} of {self.span:g} s in {self.seconds:.3g} s, in {module}"
 
-    def comparison_rows(self, value: float) -> dict[str, str]:
-        """Rows of a table, in comparison with the force by eigenvalues [N]."""
-        away = self.value / value - 1 if value else 0.0
-        low, high = f"{self.low:.6g} N (no growth)", f"{self.high:.6g} N (growth)"
-        return {
-            "by simulation": f"{self.value:.6g} N, {away:+.2%}",
-            "between": f"{low} and {high}",
-            "growth": self._growth_text,
-            "simulations": self._cost_text,
-        }
-
     @property
     def growth_threshold(self) -> float:
         """Factor by which a motion has to grow within the span to be seen, dimensionless."""
         return MEASURED if self.growth is None else self.growth
+
+
+def comparison_rows(found: SimulatedCritical, value: float) -> dict[str, str]:
+    """Rows of a table, in comparison with the force by eigenvalues [N]."""
+    away = found.value / value - 1 if value else 0.0
+    low, high = f"{found.low:.6g} N (no growth)", f"{found.high:.6g} N (growth)"
+    return {
+        "by simulation": f"{found.value:.6g} N, {away:+.2%}",
+        "between": f"{low} and {high}",
+        "growth": found._growth_text,
+        "simulations": found._cost_text,
+    }
 
 
 @guard_analysis

@@ -39,7 +39,7 @@ class Equilibrium(StateResult, Plottable):
     """An equilibrium: the rod at rest under loads that do not change.
 
     y: the state (states,), in SI units; phi: angles of all n links [rad]; joints: (n+1, 2) [m];
-    tip: the tail (2,) [m]; force: (cells, 2), in the joints before the moving links, over the mass
+    tip: the tail (2,) [m]; force: (n_moving, 2), in the joints before moving links, over the mass
     of a link [m/s^2]; change: last correction of Newton's method [rad] (of joint 0, over the
     length); iterations: number of Newton's corrections, for all steps of the load; stages:
     fractions of the load through which it stepped, dimensionless; instability: "divergence" if a

@@ -88,8 +88,8 @@ def state_after(
 
 
 class Unknowns(NamedTuple):
-    """Unknowns of a steady state: angles (cells,) [rad]; joint forces (cells, 2) over the mass of a
-    link [m/s^2]; position of joint 0 (base,) [m]; added states (states,)."""
+    """Unknowns of a steady state: angles (n_moving,) [rad]; joint forces over the mass of a link
+    (n_moving, 2) [m/s^2]; position of joint 0 (base,) [m]; added states (states,)."""
 
     phi: Array
     force: Array
@@ -180,7 +180,7 @@ class SteadyRod(HasInstant):
     @cached_property
     def n_moving(self) -> int:
         """Number of moving links."""
-        return self.system.structure.links - self.system.boundary_condition.first
+        return self.system.structure.n_links - self.system.boundary_condition.first
 
     @cached_property
     def n_added_states(self) -> int:
@@ -255,7 +255,7 @@ class SteadyRod(HasInstant):
 
     @cached_property
     def straight_angles(self) -> Array:
-        """Angles (cells,) of the straight rod: along the clamp, or at the mean initial angle."""
+        """Angles (n_moving,) of the straight rod: along the clamp, or at the mean initial angle."""
         if self.is_clamped:
             return np.full(self.n_moving, self._clamp_angle)
         return np.full(
@@ -267,21 +267,21 @@ class SteadyRod(HasInstant):
         return self.system.parameter(CLAMP_ANGLE.name) if self.is_clamped else 0.0
 
     def all_angles(self, phi: NDArray[Any]) -> NDArray[Any]:
-        """Angles of all n links, held ones included, from those of the moving ones (..., cells)."""
+        """Angles of all n links, fixed ones included, from those of moving ones (..., n_moving)."""
         held = np.full((*phi.shape[:-1], self.system.boundary_condition.first), self._clamp_angle)
         return np.concatenate((held, phi), axis=-1)
 
     def joint_derivatives(self, y: Array, p: Array, joints: NDArray[np.intp]) -> Array:
-        """Derivatives of joints (k,) by position and angles (k, 2, base + cells), by virtual work:
-        the tail depends on all links, a joint on those before it."""
-        work, n = self.model.generalised_force, self.system.structure.links
+        """Derivatives of joints (k,) by position and angles (k, 2, base + n_moving), from virtual
+        work: the tail depends on all links, a joint on those before it."""
+        work, n = self.model.generalised_force, self.system.structure.n_links
         tail = np.stack([work(y, p, n - 1, 1.0, axis) for axis in ((1.0, 0.0), (0.0, 1.0))])
         before = joints[:, None] > np.arange(self.system.boundary_condition.first, n)
         follows = np.hstack((np.ones((len(joints), self.n_base)), before))
         return np.asarray(tail * follows[:, None])
 
     def accelerations(self, y: Array, p: Array) -> Array:
-        """Accelerations (base + cells,) of the coordinates."""
+        """Accelerations (base + n_moving,) of the coordinates."""
         half = self.n_base + self.n_moving
         rates: Array = self.model.rhs(self.t, y, p)[half : 2 * half]
         return rates

@@ -41,12 +41,12 @@ class SteadyState:
 
     @property
     def phi(self) -> Array:
-        """Angles of the moving links (cells,) [rad]."""
+        """Angles of the moving links (n_moving,) [rad]."""
         return self.at.phi
 
     @property
     def joint_forces(self) -> Array:
-        """Forces in the joints before moving links, over the mass of a link (cells, 2) [m/s^2]."""
+        """Forces in joints before moving links, over the mass of a link (n_moving, 2) [m/s^2]."""
         return self.at.force
 
     @property
@@ -132,7 +132,7 @@ class SteadyState:
 
     @property
     def rigid_rotation(self) -> Array:
-        """Rigid rotation as a vector of a pencil (3 cells,), with the joint forces turned too."""
+        """Rigid rotation as a vector of a pencil (3 n_moving,), with joint forces turned too."""
         across = self.joint_forces @ np.array([[0.0, 1.0], [-1.0, 0.0]])
         return np.column_stack((np.ones(len(self.phi)), across)).ravel()
 
@@ -146,7 +146,7 @@ class SteadyState:
 
     @cached_property
     def _sideways_drag(self) -> Array:
-        """Derivatives of drag by velocities of the joints (2, cells, 3, 2) where the rod moves
+        """Derivatives of drag by velocities of the joints (2, n_moving, 3, 2) where the rod moves
         sideways as fast as it flies: a measure of what is small."""
         return ImplicitBlocks.in_sideways_flight(self.rod, self.at, self.p).by_velocity
 

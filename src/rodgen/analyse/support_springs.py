@@ -24,8 +24,8 @@ CLOSED = 1e-10  # of the length, by which a chain may miss its ends
 
 class SoftSprings(NamedTuple):
     """Parameters with soft springs of supports that pull by predicted forces, and what these lack
-    beside the true ones: generalised force (base + cells,), in N and N m, and stiffness (base +
-    cells, base + cells)."""
+    beside the true ones: generalised force (base + n_moving,), in N and N m, and stiffness (base +
+    n_moving, base + n_moving)."""
 
     p: Array
     force: Array
@@ -63,7 +63,7 @@ class SupportSprings:
         return self.stiffness * (self.fixed - self.points(at))
 
     def _point_derivatives(self, at: Unknowns) -> Array:
-        """Derivatives of the points by position and angles (k, 2, base + cells)."""
+        """Derivatives of the points by position and angles (k, 2, base + n_moving)."""
         joints = np.append(self.links, self.links + 1)
         ways = self.rod.joint_derivatives(self.rod.state_at_rest(at), self.p, joints)
         starts, ends = np.split(ways, 2)
@@ -104,7 +104,7 @@ def _link_values(rod: SteadyRod, p: Array, name: str) -> Array:
 
 
 def hanging_shape(rod: SteadyRod, p: Array, pull: Array) -> Array:
-    """Angles of the moving links (cells,) [rad] of a rod that hangs from its supports: a catenary
+    """Angles of moving links (n_moving,) [rad] of a rod that hangs from its supports: a catenary
     from each to the next, towards the pull (2,) [N], and straight along the pull at its ends."""
     springs = SupportSprings.of(rod, p)
     held = springs.stiffness.all(axis=-1)

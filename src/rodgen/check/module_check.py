@@ -171,7 +171,7 @@ def _load_values(module: ModuleType, values: dict[str, Any], t: float) -> dict[s
 def _link_means(module: ModuleType, values: dict[str, Any], t: float) -> dict[str, Any]:
     """Means over every link at a time of the loads that are functions of place as well."""
     structure, found = structure_of(module), {}
-    places = gauss_points(structure.links)
+    places = gauss_points(structure.n_links)
     for name, e in structure.open_along.items():
         density = e.with_values(values).evaluate(np.float64(t), {"s": places})
         found[name] = cell_means(np.broadcast_to(density, places.shape))

@@ -53,7 +53,7 @@ class Proof(Result):
         ways = list(dict.fromkeys(one.how for one in self.comparisons))
         names = list(dict.fromkeys(one.name for one in self.comparisons))
         of = {(one.name, one.how): str(one.entries) for one in self.comparisons}
-        links = self.structure.links
+        links = self.structure.n_links
         heads = (WAYS[way].format(links=links, few=min(links, MOST_JOINTS)) for way in ways)
         rows = [(name, *(of.get((name, way), "") for way in ways)) for name in names]
         return [ResultTable.of_rows(("matrix or load", *heads), rows)]
@@ -74,8 +74,8 @@ def prove(
     links. ``found`` is called with every comparison as soon as it holds. Raises
     derive.proofs.DisagreementError (an ArithmeticError) at the first entry that differs.
     """
-    explicit = explicit or structure.links <= MOST_EXPLICIT
-    rod = (structure.links, structure.boundary, structure.inertia)
+    explicit = explicit or structure.n_links <= MOST_EXPLICIT
+    rod = (structure.n_links, structure.boundary, structure.inertia)
     what = (*rod, structure.terms, explicit, MOST_JOINTS, structure.nonuniform)
     packages = (*cache.PACKAGES, "rodgen.check")
     entry = ("proofs", f"{cache.key('proof', *what, packages=packages)}.json")

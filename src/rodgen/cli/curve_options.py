@@ -33,7 +33,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class CurveStart:
-    """Where a command begins. journal: its own, None where it writes no file; curve: that of
+    """Start of a command on a curve. journal: its own, None where it writes no file; curve: that of
     another file; at: the number of its point."""
 
     journal: Journal | None

@@ -56,21 +56,21 @@ SHARED = "a"  # names of shared subexpressions: a0, a1, ...
 class Analysis:
     """The statements of one function.
 
-    links: number of links; arrays: quantities along the chain that outputs may refer to; constants:
+    n_links: their number; arrays: quantities along the chain that outputs may refer to; constants:
     those of the module, which grow with every function; parameters: those that are several numbers,
     with their ranges; numbers: expressions of named numbers, which are defined where they are read.
     """
 
     def __init__(
         self,
-        links: int,
+        n_links: int,
         moving: Domain,
         arrays: Mapping[IndexedBase, Array],
         constants: dict[tuple[Expr, Domain], Constant],
         parameters: Mapping[str, Domain],
         numbers: Mapping[Symbol, Expr],
     ):
-        self.links, self.moving = links, moving
+        self.n_links, self.moving = n_links, moving
         self.numbers = {**discretisation(), **numbers}
         self.arrays, self.constants, self.parameters = arrays, constants, parameters
         self.elements = Elements()
@@ -107,7 +107,7 @@ class Analysis:
 
     def _add(self, name: str, domain: Domain, expr: Expr) -> None:
         """Register a quantity after taking sums, arrays and cases out of it."""
-        expr = expr.subs(n, self.links)
+        expr = expr.subs(n, self.n_links)
         if domain.indices == PAIR:
             expr = factor_terms(expand_trig(expr))
         if isinstance(expr, Sum):
@@ -181,7 +181,7 @@ class Analysis:
             return
         if base in self.arrays:
             array = self.arrays[base]
-            high = int(array.high.subs(n, self.links))
+            high = int(array.high.subs(n, self.n_links))
             self._add(name, Domain((array.index,), int(array.low), high), array.value)
         elif base in TRIGONOMETRY:
             angle = self._flatten(phi[i])
@@ -266,7 +266,7 @@ class Analysis:
 
     def _empty_domain(self, indices: tuple[Symbol, ...]) -> Domain:
         """An empty domain, which `_grow` extends to all that is read of it."""
-        return Domain(indices, self.links, -1)
+        return Domain(indices, self.n_links, -1)
 
     def _grow(self) -> None:
         """Extend ranges of shared quantities and of trigonometry to all that is read of them."""

@@ -55,7 +55,7 @@ class Laws:
     @cached_property
     def points(self) -> list[tuple[Sensor, SensorPoint]]:
         """Sensors in their order, each with the point that it is fixed to."""
-        n, boundary = self.structure.links, self.structure.boundary_condition
+        n, boundary = self.structure.n_links, self.structure.boundary_condition
         return [(of, point_at(Rational(repr(of.at)), n, boundary)) for of in self.structure.sensors]
 
     @cached_property

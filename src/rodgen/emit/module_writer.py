@@ -124,7 +124,7 @@ def _context(
     template: str,
 ) -> dict[str, Any]:
     structure = functions.structure
-    boundary_condition, n = functions.equations.boundary_condition, structure.links
+    boundary_condition, n = functions.equations.boundary_condition, structure.n_links
     acting = force_places(functions.equations, n) if "forces" in programs else {}
     energies = [st.name for st in programs["energy"].statements] if "energy" in programs else []
     provenance = {
@@ -299,7 +299,7 @@ def _default_code(parameter: Parameter) -> str | None:
 
 def _state_context(structure: Structure, translates: bool, first: int) -> dict[str, Any]:
     """Template context of the state: its names, as code and in words."""
-    last = structure.links - 1
+    last = structure.n_links - 1
     links = _range_code(range(first, last + 1))
     groups: list[str] = []
     words: list[str] = []
@@ -327,7 +327,7 @@ def _tuple_code(names: Iterable[str]) -> str:
 
 
 def _title(structure: Structure) -> str:
-    links = f"{structure.links} rigid link{'s' if structure.links > 1 else ''}"
+    links = f"{structure.n_links} rigid link{'s' if structure.n_links > 1 else ''}"
     timed = {name for name, _ in structure.expressions}
     rows = [TERMS[name] for name in structure.loads]
     fed = structure.laws.keys()

@@ -28,7 +28,7 @@ class NewtonMatrix:
     equations: GeneralEquations
     laws: Laws
     link: Domain
-    links: int
+    n_links: int
 
     @property
     def outputs(self) -> Outputs:
@@ -41,7 +41,7 @@ class NewtonMatrix:
         form, link = self.form, self.link
         outputs: Outputs = {f"residual_{r}": (link, e) for r, e in enumerate(form.residual)}
         for name, _, e in _entries(form.derivatives):
-            value = e.subs(n, self.links)
+            value = e.subs(n, self.n_links)
             if value != 0:
                 outputs[f"by_{name}"] = link, value
         return outputs
@@ -58,9 +58,9 @@ class NewtonMatrix:
                     out[f"lever_{kind}_{r}"] = self.link, gained[r]
         moved = ("velocity", "position")  # of joints, of which there is one more than links
         if self.equations.boundary_condition.translates:
-            for name, at, e in _entries(form.base_derivatives(self.links)):
-                value = e.subs({i: 0, n: self.links})
-                if value != 0 and (at == 0 or self.links > 1 or name.startswith(moved)):
+            for name, at, e in _entries(form.base_derivatives(self.n_links)):
+                value = e.subs({i: 0, n: self.n_links})
+                if value != 0 and (at == 0 or self.n_links > 1 or name.startswith(moved)):
                     out[f"base_{name}"] = SCALAR, value
         return out
 
@@ -71,10 +71,10 @@ class NewtonMatrix:
         form, link, out = self.form, self.link, Outputs()
         for at, number in enumerate(self.laws.inputs):
             for r, e in enumerate(form.by_number(number)):
-                out[f"by_input_{at}_{r}"] = link, e.subs(n, self.links)
+                out[f"by_input_{at}_{r}"] = link, e.subs(n, self.n_links)
             if self.equations.boundary_condition.translates:
-                for r, e in enumerate(form.base_by_number(number, self.links)):
-                    out[f"base_input_{at}_{r}"] = SCALAR, e.subs({i: 0, n: self.links})
+                for r, e in enumerate(form.base_by_number(number, self.n_links)):
+                    out[f"base_input_{at}_{r}"] = SCALAR, e.subs({i: 0, n: self.n_links})
         out |= {str(gain): (SCALAR, e) for gain, (_, _, e) in self.laws.gains.items()}
         for at, (sensor, point) in enumerate(self.laws.points):
             if sensor.what in AXES and not point.held:

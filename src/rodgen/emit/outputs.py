@@ -46,8 +46,8 @@ class Functions:
         return _cached_equations(equations, INERTIAS[of.inertia])
 
     @property
-    def links(self) -> int:
-        return self.structure.links
+    def n_links(self) -> int:
+        return self.structure.n_links
 
     @property
     def _derivation(self) -> tuple[BlockSystem, ImplicitForm]:
@@ -56,7 +56,7 @@ class Functions:
     @property
     def has_springs(self) -> bool:
         """Whether any joint has a spring: a single link that is not clamped has none."""
-        return bool(self.equations.boundary_condition.spring_joints(self.links))
+        return bool(self.equations.boundary_condition.spring_joints(self.n_links))
 
     @cached_property
     def system(self) -> BlockSystem:
@@ -71,7 +71,7 @@ class Functions:
             present = self.variable_masses.masses.items()
             arrays = arrays | {base: Array(base, i, S.Zero, n - 1, e) for base, e in present}
         known = arrays, self.solve, self.parameter_domains, self.laws.definitions
-        return Compiler(self.links, first, *known, self.time_dependent)
+        return Compiler(self.n_links, first, *known, self.time_dependent)
 
     @cached_property
     def variable_masses(self) -> VariableMasses | None:
@@ -121,7 +121,7 @@ class Functions:
     @property
     def high(self) -> int:
         """The last position of the system; below the first where there is nothing to solve."""
-        return int(self.system.high.subs(n, self.links))
+        return int(self.system.high.subs(n, self.n_links))
 
     # The chain form ---------------------------------------------------------------------------
 
@@ -255,7 +255,7 @@ class Functions:
     @cached_property
     def newton(self) -> NewtonMatrix:
         """Derivatives that make up a Newton matrix."""
-        of_rod = self.equations, self.laws, self.compiler.link, self.links
+        of_rod = self.equations, self.laws, self.compiler.link, self.n_links
         return NewtonMatrix(self._derivation[1], *of_rod)
 
     def implicit(self) -> Program:
@@ -307,7 +307,7 @@ class Functions:
     def observables(self) -> dict[str, Outputs]:
         """Outputs of energies, positions and bending moments."""
         quantities = Quantities(self.equations)
-        joints = Domain((joint,), 0, self.links)
+        joints = Domain((joint,), 0, self.n_links)
         energy = {"kinetic": quantities.kinetic_energy}
         if springs := quantities.anchor_energy + (
             quantities.spring_energy if self.has_springs else 0
@@ -335,7 +335,7 @@ class Functions:
             "centre": observed["centre"],
             "inertia_moments": near | moments,
             "bending": observed["bending"],
-            "forces": forces(self.equations, self.links),
+            "forces": forces(self.equations, self.n_links),
         }
         if self.laws.definitions:
             outputs["signals"] = _scalars(self.laws.signal_expressions)
@@ -357,7 +357,7 @@ class Functions:
             outputs["support_forces"] = _outputs(("held_x", "held_y", "held_turn"), held, link)
         if starts := of.start_loads:
             outputs["start_loads"] = _outputs(("start_x", "start_y"), starts, link)
-        if springs := boundary_condition.spring_joints(self.links):
+        if springs := boundary_condition.spring_joints(self.n_links):
             domain = Domain((s,), springs.start, springs.stop - 1)
             outputs["curvatures"] = {"curvature": (domain, of.curvature)}
         return {name: self.compiler.compile(o, batch=True) for name, o in outputs.items()}
@@ -368,7 +368,7 @@ class Functions:
 
     def point_force(self) -> Program:
         """Program of the generalised forces of a force on a point of a link."""
-        return self.compiler.compile(point_force(self.equations, self.links))
+        return self.compiler.compile(point_force(self.equations, self.n_links))
 
     @cached_property
     def power(self) -> Outputs:

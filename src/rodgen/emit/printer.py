@@ -98,7 +98,7 @@ class Printer:
         return self._print(expression)[0]
 
     def rank(self, expression: Expr) -> int:
-        """How many axes the value of an expression has."""
+        """Number of axes of the value of an expression."""
         return max((self._rank(symbol) for symbol in expression.free_symbols), default=0)
 
     def _parenthesise(self, expression: Expr, least: int) -> str:

@@ -45,9 +45,9 @@ class ModuleFacts:
         """All numbers of its quantities."""
         of = self.structure
         boundary_condition = BOUNDARIES[of.boundary]
-        held = range(boundary_condition.first, of.links) if "supports" in of.loads else ()
+        held = range(boundary_condition.first, of.n_links) if "supports" in of.loads else ()
         loads = loads_at_work(self.model), of.open_expressions
-        return Numbers.of(boundary_condition, of.links, *loads, of.state_names, held)
+        return Numbers.of(boundary_condition, of.n_links, *loads, of.state_names, held)
 
     def parse_reductions(self, texts: Sequence[str]) -> tuple[Reduction, ...]:
         """Parse reductions of its numbers from their texts. Raises InputError."""
@@ -80,7 +80,7 @@ class ModuleFacts:
 
     @cached_property
     def _rows(self) -> LaneRows:
-        return LaneRows(self.model.LANES, self.model.STATE, self.structure.links)
+        return LaneRows(self.model.LANES, self.model.STATE, self.structure.n_links)
 
     def can_observe(self, number: str) -> bool:
         """Whether a number of a quantity can be computed side by side."""
@@ -128,7 +128,7 @@ class ModuleFacts:
         of, places = self.structure, self.structure.slices
         if "joint_stiffness" in places:
             return tuple(p[places["joint_stiffness"]].tolist())
-        given: dict[str, Any] = {"links": of.links, "mass": 1.0, "boundary": of.boundary}
+        given: dict[str, Any] = {"links": of.n_links, "mass": 1.0, "boundary": of.boundary}
         given |= {name: float(p[places[name].start]) for name in ("length", "bending_stiffness")}
         rod = RodTable(**given)
         return tuple(Distribution(rod, [], (), 0.0).joint_stiffness)

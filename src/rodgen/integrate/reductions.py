@@ -137,14 +137,14 @@ class Crossing:
     """Crossing to look for: a number of a run passes a level between two times [s].
 
     direction: rising, falling or either; kept: numbers whose values there are kept, of the first
-    crossings, `most` at most; stop: name of the event, if it ends the run.
+    crossings, `max_points` at most; stop: name of the event, if it ends the run.
     """
 
     number: str
     level: float
     direction: str = "either"
     kept: tuple[str, ...] = ()
-    most: int = 0
+    max_points: int = 0
     start: float = -math.inf
     end: float = math.inf
     stop: str = ""
@@ -152,12 +152,12 @@ class Crossing:
     @property
     def width(self) -> int:
         """Length of its results for one rod: the count of crossings, and the numbers of each."""
-        return 1 + self.most * (1 + len(self.kept))
+        return 1 + self.max_points * (1 + len(self.kept))
 
 
 class CrossingResults(NamedTuple):
-    """Crossings found. counts: how many, (rods,); t: when [s], (rods, most); values: of what is
-    kept of each, (rods, most, kept); not-a-number behind the last."""
+    """Crossings found. counts: how many, (rods,); t: when [s], (rods, max_points); values: of what
+    is kept of each, (rods, max_points, kept); not-a-number behind the last."""
 
     counts: NDArray[np.int64]
     t: Array
@@ -209,7 +209,7 @@ class CrossingTable:
             row["looks"] = any(at >= known for at in terms[one.number])
             row["level"], row["from"], row["to"] = one.level, one.start, one.end
             row["first"], row["terms"] = sums.add(terms[one.number])
-            row["place"], row["most"] = place, one.most
+            row["place"], row["most"] = place, one.max_points
             row["first_number"], row["numbers"] = len(numbers), len(one.kept)
             numbers += (sums.add(terms[name]) for name in one.kept)
             place += one.width
@@ -227,8 +227,8 @@ class CrossingTable:
         for place, one in zip(self.table["place"].tolist(), self.crossings, strict=True):
             counts = rows[:, place].astype(np.int64)
             each = rows[:, place + 1 : place + one.width]
-            made = each.reshape(len(rows), one.most, 1 + len(one.kept)).copy()
-            made[np.arange(one.most) >= counts[:, None]] = np.nan
+            made = each.reshape(len(rows), one.max_points, 1 + len(one.kept)).copy()
+            made[np.arange(one.max_points) >= counts[:, None]] = np.nan
             yield CrossingResults(counts, made[..., 0], made[..., 1:])
 
     def stop_name(self, number: int) -> str:

@@ -160,14 +160,14 @@ def check_samples(system: System, to_file: bool) -> None:
     def need(links: int) -> float:
         return LINK * links + SAMPLE * held * (2 * links + states)
 
-    if is_small(need(system.structure.links)):
+    if is_small(need(system.structure.n_links)):
         return
     if need(1) > memory_limit():
         allowed = (
             f"fewer, of a longer output_every: they need {format_gigabytes(need(1))} of memory"
         )
         raise InputError("samples", count, f"{allowed}, of {format_gigabytes(memory_limit())} here")
-    check_memory(f"a run of {count} samples", system.structure.links, need)
+    check_memory(f"a run of {count} samples", system.structure.n_links, need)
 
 
 def resume(

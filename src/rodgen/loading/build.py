@@ -75,9 +75,9 @@ def build(
     structure, parts = _structure(scene), tuple(parts)
     check_output(target, form)
     required_parts(target, parts)
-    if form == "dense" and structure.links > MOST_DENSE_LINKS:
+    if form == "dense" and structure.n_links > MOST_DENSE_LINKS:
         allowed = f"at most {MOST_DENSE_LINKS} in the dense form: it holds links^2 numbers"
-        raise InputError("rod.links", structure.links, allowed)
+        raise InputError("rod.links", structure.n_links, allowed)
     # What a C module is compiled by belongs to it, and so does where it would be kept.
     model = _cached_model(structure, target, form, library_environment())
     model.make(parts)

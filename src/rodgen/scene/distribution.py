@@ -262,7 +262,7 @@ def link_parameters_at(
 ) -> dict[str, list[float]]:
     """Parameters of the links at a time, from those of a module with masses that are functions of
     it; rates: of the masses that the links gain in a second instead."""
-    n, lumped = structure.links, structure.inertia == "lumped"
+    n, lumped = structure.n_links, structure.inertia == "lumped"
     masses = {name: e.with_values(values) for name, e in structure.open_masses.items()}
 
     def evaluate_mass(name: str, **places: Array) -> Any:

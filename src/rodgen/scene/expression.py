@@ -94,7 +94,7 @@ class Expression:
 
     @property
     def _constant_parts(self) -> Iterator[ast.AST]:
-        """Its largest parts that have only numbers with a value."""
+        """Largest parts of the expression that have only numbers with a value."""
         return grammar.constant_parts(self._tree, self._known)
 
     def _error(self, node: ast.AST | None, allowed: str = "") -> InputError:

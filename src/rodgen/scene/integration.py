@@ -62,7 +62,7 @@ def with_keywords(function: F) -> F:
 
 
 class IntegrationTable(Table):
-    """How the scene is integrated."""
+    """Settings of the integration of a scene."""
 
     method: str = Field(default=AUTO, description="`auto`, or one of [these](methods.md)")
     span: Pair = Field(default=[0.0, 10.0], description="`[start, end]` [s]")

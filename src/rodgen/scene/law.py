@@ -37,7 +37,7 @@ class Law:
 
     @property
     def uniform_value(self) -> float | None:
-        """Its value, if constant along the rod and in time; else None."""
+        """Value of the law, if constant along the rod and in time; else None."""
         if isinstance(self.value, str):
             found = self.expression
             return float(found(0.0)) if found.is_constant else None

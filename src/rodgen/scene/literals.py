@@ -129,7 +129,7 @@ def _numbers_outside_tables(node: ast.expr) -> Iterator[ast.expr]:
 
 
 def _text_span(text: str, node: ast.expr) -> tuple[int, int]:
-    """Where in the text a node begins and ends."""
+    """Positions in the text at which a node begins and ends."""
     lines = text.strip().encode().splitlines(keepends=True)
     assert node.end_lineno is not None
     assert node.end_col_offset is not None

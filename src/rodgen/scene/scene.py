@@ -59,7 +59,7 @@ class Scene(SceneTables, Plottable):
     >>> missile = rodgen.Scene.example("missile")
     >>> round(missile.breaks()[0], 12), missile.to_dict()["rod"]["length"]
     (0.5, 5.0)
-    >>> missile.structure.links, missile.to_toml().splitlines()[0]
+    >>> missile.structure.n_links, missile.to_toml().splitlines()[0]
     (20, 'name = "missile"')
     """
 

@@ -38,7 +38,7 @@ PLACE = re.compile(r"(0|[1-9][0-9]{0,6})(?:\+([1-9][0-9]{0,30}/[1-9][0-9]{0,30})
 class Structure:
     """The structure of a scene: everything that its module is specialised to.
 
-    links: their number; boundary: how the start is held; inertia: "uniform" or "lumped"; terms:
+    n_links: their number; boundary: how the start is held; inertia: "uniform" or "lumped"; terms:
     names of the loads and of what else acts, with a place if that is not the tail
     (follower@6+1/10: on link 6, at a tenth of it); expressions: loads that are functions of time or
     of the motion, by parameter, as canonical text (part of the code; their numbers are parameters);
@@ -60,7 +60,7 @@ class Structure:
     ((), False)
     """
 
-    links: int
+    n_links: int
     boundary: str = "free"
     inertia: str = "uniform"
     terms: tuple[str, ...] = THESIS_TERMS
@@ -72,11 +72,11 @@ class Structure:
     tables: tuple[tuple[str, int], ...] = ()
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "links", to_plain(self.links, "links"))
+        object.__setattr__(self, "n_links", to_plain(self.n_links, "links"))
         check_choice("boundary", self.boundary, BOUNDARIES)
         check_choice("inertia", self.inertia, INERTIAS)
         for term in self.terms:
-            _check_term(term, self.links)
+            _check_term(term, self.n_links)
         for what in self.nonuniform:
             check_choice("nonuniform", what, NONUNIFORM)
         object.__setattr__(
@@ -90,7 +90,7 @@ class Structure:
         for what, inertia in (("bodies", "uniform"), ("points", "lumped")):
             if what in self.nonuniform and self.inertia != inertia:
                 raise InputError("nonuniform", what, f"absent for inertia {self.inertia}")
-        check_links(self.links, self.boundary)
+        check_links(self.n_links, self.boundary)
         ordered = _sort_terms(self.terms)
         if ordered != self.terms:
             object.__setattr__(self, "terms", ordered)
@@ -238,13 +238,13 @@ class Structure:
     def angle_slice(self) -> slice:
         """Slice of the states that are angles."""
         first = 2 * self.boundary_condition.translates
-        return slice(first, first + self.links - self.boundary_condition.first)
+        return slice(first, first + self.n_links - self.boundary_condition.first)
 
     @cached_property
     def index_ranges(self) -> dict[str, range]:
         """Joints, links or rows that have a number each, of every parameter that has several."""
-        found = {JOINTS: range(self.links + 1), LINKS: range(self.links)}
-        found[SPRINGS] = self.boundary_condition.spring_joints(self.links)
+        found = {JOINTS: range(self.n_links + 1), LINKS: range(self.n_links)}
+        found[SPRINGS] = self.boundary_condition.spring_joints(self.n_links)
         own = {name: range(2 * rows) for name, rows in self.tables}
         return own | {one.name: found[one.each] for one in self.rows if one.each in found}
 
@@ -288,12 +288,12 @@ class Structure:
         nonuniform = "_nonuniform_" + "_".join(self.nonuniform) if self.nonuniform else ""
         coded = (self.expressions, self.states, self.spring, self.masses)
         timed = f"_{self.hash[:6]}" if any((*coded, *load_places(self.terms).values())) else ""
-        return f"rod_{self.boundary}_n{self.links}{terms}{inertia}{nonuniform}{how}{where}{timed}"
+        return f"rod_{self.boundary}_n{self.n_links}{terms}{inertia}{nonuniform}{how}{where}{timed}"
 
     @cached_property
     def hash(self) -> str:
         """Content hash: equal for scenes that need the same code."""
-        content: list[object] = [self.links, self.boundary, self.inertia, self.terms]
+        content: list[object] = [self.n_links, self.boundary, self.inertia, self.terms]
         content += [self.expressions, *([self.nonuniform] if self.nonuniform else [])]
         later = ("states", "spring", "masses", "tables")
         content += [{name: getattr(self, name)} for name in later if getattr(self, name)]

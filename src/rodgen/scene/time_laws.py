@@ -110,7 +110,7 @@ class TimeLaws:
             names = (name for name in structure.spring_law.names if name != STIFFNESS)
             law = spring_law(structure.spring, tuple((name, numbers[name]) for name in names))
             spring = law, stiffness
-        return cls(start, end, single, along, rates, masses, structure.links, spring)
+        return cls(start, end, single, along, rates, masses, structure.n_links, spring)
 
     @property
     def expressions(self) -> tuple[Expression, ...]:

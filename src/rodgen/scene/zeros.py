@@ -218,7 +218,7 @@ class RealFunction(Protocol):
         """Functions in whose zeros it is not smooth."""
 
     def knots(self) -> list[float]:
-        """Other places where it is not smooth."""
+        """Further places where the function is not smooth."""
 
     def divisors(self) -> list[Callable[[Any], Any]]:
         """Functions by which it divides."""

@@ -181,7 +181,7 @@ def _error(row: Measurement, measure: str) -> float:
 def draw_lines(
     frame: Axes, rows: Sequence[Measurement], measure: str, cost: str, trusted: float
 ) -> None:
-    """Draw a line for every method. cost: "seconds", or "rhs" for evaluations; trusted: error up to
+    """Draw a line for every method. cost: "seconds", or "nfev" for evaluations; trusted: error to
     which the reference tells them apart."""
     shown = drawable_rows(rows, measure, cost)
     frame.set(xscale="log", yscale="log")

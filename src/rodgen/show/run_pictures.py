@@ -57,8 +57,8 @@ MOST = 500  # steps that are divided at a time: each costs about a millisecond
 
 
 def phase_plot(solution: Solution) -> Figure:
-    """How far the rod is bent over how fast it bends: tail link relative to first link. States
-    between samples are computed where lines between these would have corners."""
+    """Phase plot: how far the rod is bent over how fast it bends, tail link relative to first link.
+    States between samples are computed where lines between these would have corners."""
     figure, (axes,) = make_axes(6.0, 5.0)
     if solution.scene.rod.links > 1:
         labels = (r"$\varphi_{n-1}-\varphi_0$ [rad]", r"$\omega_{n-1}-\omega_0$ [rad/s]")

@@ -215,7 +215,9 @@ def check_numbers(system: System, wanted: Iterable[RunMeasure], facts: ModuleFac
     has it."""
     for number in (one.number for one in wanted if one.number):
         if number not in facts.numbers.places:
-            allowed = f"a number of the rod: one of {system.structure.links} links has no {number}"
+            allowed = (
+                f"a number of the rod: one of {system.structure.n_links} links has no {number}"
+            )
             raise InputError("compute.keep", number, allowed)
 
 

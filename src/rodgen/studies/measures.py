@@ -138,7 +138,7 @@ class CrossingSection(RunMeasure):
         alone = facts.can_observe(self.number)
         numbers = (self.number,) if alone else tuple(facts.model.STATE)
         counted = replace(event_crossing(event), start=self.start, end=self.end)
-        return replace(counted, kept=numbers, most=self.max_points)
+        return replace(counted, kept=numbers, max_points=self.max_points)
 
     def compute_many(
         self, crossed: CrossingResults, facts: ModuleFacts, p: Array

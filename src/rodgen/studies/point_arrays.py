@@ -42,7 +42,7 @@ class StudyVariable:
 
     @property
     def attributes(self) -> dict[str, Any]:
-        """Its attributes in xarray: description, units and, of whole numbers, the fill value."""
+        """Attributes of the array in xarray: description, units, fill value of whole numbers."""
         whole = self.dtype.startswith("i")
         found = {LONG_NAME: self.words, UNITS: self.units, UNKNOWN: self.fill if whole else ""}
         return {name: value for name, value in found.items() if value != ""}

@@ -407,7 +407,7 @@ class System:
         return {name: self.parameter(name) for name in self.structure.slices}
 
     def key_of(self, name: str) -> str:
-        """Where a parameter of the module stands in the scene, as a dotted name.
+        """Dotted name of the place in the scene where a parameter of the module stands.
 
         name: its name in the module.
         """

@@ -17,7 +17,7 @@ import rodgen
 from rodgen.scene import Scene
 from rodgen_evidence.benchmarks import Times
 from rodgen_evidence.report.cases import ROD
-from rodgen_evidence.report.timing import calls, interleaved
+from rodgen_evidence.report.interleaved_timing import calls, time_in_turns
 
 THRUST: dict[str, Any] = {"follower": {"force": 50.0}}
 WEIGHT: dict[str, Any] = {"gravity": {}}
@@ -29,8 +29,8 @@ def scene(links: int, boundary: str, loads: dict[str, Any]) -> Scene:
     return Scene.from_dict(table)
 
 
-def bisected(given: Scene, low: float, high: float) -> Callable[[], float]:
-    """The critical force by bisection with all eigenvalues of jac, of a bracket that is known.
+def bisection(given: Scene, low: float, high: float) -> Callable[[], float]:
+    """Search of the critical force by bisection of a known bracket, with all eigenvalues of jac.
 
     Close to the meeting of two frequencies they are right to the square root of rounding alone,
     so this cannot reach the digits that it is stopped at.
@@ -73,13 +73,13 @@ def analyse(
         what: str, ours: Callable[[], object], other: str, its: Callable[[], object]
     ) -> None:
         both = {"ours": calls(ours), "other": calls(its)}
-        times = interleaved(both, rounds=rounds, seconds=0.1)
+        times = time_in_turns(both, rounds=rounds, seconds=0.1)
         table.add(what, times["ours"], other, times["other"])
 
     for links in critical:
         given = scene(links, "free", THRUST)
         force = rodgen.critical_load(given).value
-        plain = bisected(given, 0.97 * force, 1.02 * force)
+        plain = bisection(given, 0.97 * force, 1.02 * force)
         found = partial(rodgen.critical_load, given)
         beside(f"critical force, free, n={links}", found, "bisection, bracket of 5 % known", plain)
     damped = scene(links, "free", THRUST | {"internal_damping": {"coefficient": 0.01}})

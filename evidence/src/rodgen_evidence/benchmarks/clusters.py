@@ -21,14 +21,14 @@ from rodgen.studies.kept_quantities import variables
 from rodgen.studies.point_arrays import PointArrays
 from rodgen.studies.study import Study
 from rodgen.studies.task import Arrays
-from rodgen_evidence.report.costs.rod import scene
+from rodgen_evidence.report.costs.cost_rows import scene
 
 KEEP = ["last(tip_x)", "max(phi_19)", "max(omega_19)"]
 MASS, FORCE = "rod.mass", "loads.follower.force"
 
 
 def study_of(count: int, span: float = 0.1) -> Study:
-    """So many runs of a free rod of 20 links; span: of a run [s]."""
+    """Create a study of `count` runs of a free rod of 20 links; span: of a run [s]."""
     base = scene(20).with_integrate(span=[0.0, span], method="dop853", rtol=1e-6)
     return Study.of(base, {MASS: {"bounds": (10, 20), "count": count}}, keep=KEEP)
 
@@ -89,7 +89,7 @@ def spent() -> float:
     return float(sum(sum(one.cpu_times()[:2]) for one in processes()))
 
 
-def ended() -> float:
+def processor_time() -> float:
     """Processor time of this process and of those of its own that have ended [s]."""
     times = [resource.getrusage(who) for who in (resource.RUSAGE_SELF, resource.RUSAGE_CHILDREN)]
     return sum(one.ru_utime + one.ru_stime for one in times)

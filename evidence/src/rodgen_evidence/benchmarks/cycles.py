@@ -1,4 +1,4 @@
-"""What a limit cycle costs, beside AUTO-07p's and SciPy's collocation of the same equations.
+"""Times of limit cycles beside AUTO-07p's and SciPy's collocation of the same equations.
 
 python -m rodgen_evidence.benchmarks.cycles
 
@@ -23,7 +23,7 @@ from scipy.integrate import solve_bvp
 import rodgen
 from rodgen.arrays import Array
 from rodgen_evidence.benchmarks import Times
-from rodgen_evidence.benchmarks.clusters import ended
+from rodgen_evidence.benchmarks.clusters import processor_time
 from rodgen_evidence.benchmarks.many import best
 
 RIGHT = 1e-8  # of the period
@@ -173,13 +173,13 @@ def cycles(links: Sequence[int] = (2, 5, 10), rounds: int = 3) -> Times:
         peers = [("solve_bvp, no multipliers", partial(of_scipy, start), TOLERANCES)]
         if find_spec("bifpy"):
             peers.append(("AUTO-07p", partial(of_auto, start), NODES))
-        ours = best(rounds, partial(of_rodgen, start), ended)
-        shot = best(rounds, partial(of_rodgen, start, SHOTS), ended)
+        ours = best(rounds, partial(of_rodgen, start), processor_time)
+        shot = best(rounds, partial(of_rodgen, start, SHOTS), processor_time)
         what = f"{n} links, {2 * n - 1} multipliers"
         times.add(what, ours, f"shooting in {SHOTS} segments", shot)
         for name, solve, settings in peers:
             one = coarsest(solve, settings, period)
-            theirs = best(rounds, partial(solve, one), ended)
+            theirs = best(rounds, partial(solve, one), processor_time)
             times.add(what, ours, f"{name}, {one:g}", theirs)
     if not find_spec("bifpy"):
         print("bifpy is not installed: AUTO-07p is no peer")

@@ -1,4 +1,4 @@
-"""What Lyapunov exponents cost beside the run itself, and tangents beside heyoka's.
+"""Times of Lyapunov exponents beside the run itself, and of tangents beside heyoka's.
 
 python -m rodgen_evidence.benchmarks.exponents
 
@@ -18,7 +18,7 @@ import rodgen
 from rodgen.integrate.variations import PARTS, Variations
 from rodgen_evidence.benchmarks import Times
 from rodgen_evidence.benchmarks.many import best
-from rodgen_evidence.report.costs.rod import Array
+from rodgen_evidence.report.costs.cost_rows import Array
 
 G, ANGLES, TOLERANCE = 9.81, (1.5, 0.5), 1e-12
 

@@ -126,9 +126,9 @@ def live(seconds: float = 20.0, numbers: Sequence[int] = LINKS, samples: int = S
     where no browser is installed."""
     with browsing() as browser:
         for links in numbers:
-            with viewed(browser, Path(sys.executable).parent, links) as (page, process):
+            with open_view(browser, Path(sys.executable).parent, links) as (page, process):
                 watch(page, process, links, seconds)
-        with viewed(browser, Path(sys.executable).parent, numbers[0], every=0.001) as (
+        with open_view(browser, Path(sys.executable).parent, numbers[0], every=0.001) as (
             page,
             process,
         ):
@@ -143,7 +143,7 @@ def compare(other: Path, seconds: float, numbers: Sequence[int] = LINKS) -> None
         for links in numbers:
             with ExitStack() as stack:
                 pages = {
-                    name: stack.enter_context(viewed(browser, folder, links))[0]
+                    name: stack.enter_context(open_view(browser, folder, links))[0]
                     for name, folder in folders.items()
                 }
                 rounds = [
@@ -185,10 +185,10 @@ def turn(page: Page, seconds: float) -> Turn:
     time.sleep(1.0)
     session = page.context.new_cdp_session(page)
     session.send("Performance.enable")
-    before, since = shown(page), time.monotonic()
+    before, since = read_charts(page), time.monotonic()
     busy, scripts = (-spent(session, name) for name in SPENT)
     time.sleep(seconds)
-    after, took = shown(page), time.monotonic() - since
+    after, took = read_charts(page), time.monotonic() - since
     busy, scripts = busy + spent(session, SPENT[0]), scripts + spent(session, SPENT[1])
     session.detach()
     effects = [took for key in (RIGHT, LEFT) for took in page.evaluate(EFFECTS, [STEPS, key])]
@@ -220,11 +220,13 @@ def browsing() -> Iterator[Browser]:
 
 
 @contextmanager
-def viewed(
+def open_view(
     browser: Browser, folder: Path, links: int, every: float = 0.01
 ) -> Iterator[tuple[Page, int]]:
-    """A page with four charts of the rodgen of a folder, and the process that serves it; every:
-    seconds between two samples."""
+    """Yield a page with four charts of the rodgen of a folder, and the process that serves it.
+
+    every: seconds between two samples.
+    """
     with tempfile.TemporaryDirectory() as place:
         path = Path(place, f"links_{links}.toml")
         path.write_text(SCENE.format(links=links, every=every))
@@ -269,9 +271,9 @@ def watch(page: Page, process: int, links: int, seconds: float) -> None:
     print(f"\nn = {links}, four charts\n  time  frames/s  of real time  server  page")
     start = time.monotonic()
     while time.monotonic() - start < seconds:
-        before, since = shown(page), time.monotonic()
+        before, since = read_charts(page), time.monotonic()
         time.sleep(max(5.0, seconds / 12))
-        after, took = shown(page), time.monotonic() - since
+        after, took = read_charts(page), time.monotonic() - since
         heap = page.evaluate("performance.memory.usedJSHeapSize") / 1e6
         print(
             f"{time.monotonic() - start:5.0f}s {(after['frames'] - before['frames']) / took:9.1f} "
@@ -330,8 +332,8 @@ def processor(page: Page, process: int) -> float:
     return float(pages) + sum(map(int, fields[11:13])) / os.sysconf("SC_CLK_TCK")
 
 
-def shown(page: Page) -> dict[str, Any]:
-    """What the page has drawn."""
+def read_charts(page: Page) -> dict[str, Any]:
+    """Read how much the page has drawn."""
     found: dict[str, Any] = page.evaluate("({...window.rodgenLive})")
     return found
 

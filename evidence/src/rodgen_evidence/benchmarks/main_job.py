@@ -12,13 +12,13 @@ import tempfile
 from collections.abc import Sequence
 
 from rodgen_evidence.benchmarks import Times
-from rodgen_evidence.report.timing import process
+from rodgen_evidence.report.interleaved_timing import process
 
 RODGEN = [sys.executable, "-c", "from rodgen.cli import main; main()"]
 
 
 def median(command: list[str], runs: int, **environment: str) -> float:
-    """Of the wall time of a whole process [s]."""
+    """Median wall time of a whole process [s]."""
     return statistics.median(process(command, **environment) for _ in range(runs))
 
 

@@ -17,7 +17,7 @@ import rodgen
 from rodgen.native import native_batch as native
 from rodgen.system import System
 from rodgen_evidence.benchmarks import Times
-from rodgen_evidence.report.costs.rod import VALUES, Array, scene
+from rodgen_evidence.report.costs.cost_rows import VALUES, Array, scene
 
 SPAN, RTOL = 0.5, 1e-6
 SETTINGS: dict[str, Any] = {"span": [0.0, SPAN], "rtol": RTOL, "method": "dop853"}
@@ -50,20 +50,20 @@ def inside() -> Iterator[list[float]]:
     taken: list[float] = []
     work = native.RunBatch.run
 
-    def timed(self: native.RunBatch, take: Any) -> bool:
+    def time_work(self: native.RunBatch, take: Any) -> bool:
         start = time.process_time()
         done = work(self, take)
         taken.append(time.process_time() - start)
         return done
 
-    native.RunBatch.run = timed  # type: ignore[method-assign]  # is timed, as it is
+    native.RunBatch.run = time_work  # type: ignore[method-assign]  # is timed, as it is
     try:
         yield taken
     finally:
         native.RunBatch.run = work  # type: ignore[method-assign]  # as it was
 
 
-def prepared(model: ModuleType, p: Array, y0: Array, keep: Sequence[str]) -> tuple[float, float]:
+def run_costs(model: ModuleType, p: Array, y0: Array, keep: Sequence[str]) -> tuple[float, float]:
     """Time that one run takes in Python beside that in C, and that in C."""
     beside = []
     with inside() as taken:
@@ -102,7 +102,7 @@ def measure(times: Times, links: int, rods: int, rounds: int) -> None:
     times.add(f"n={links}: a run side by side", beside, "rodgen.simulate in a loop", python)
     both = best(rounds, lambda: together(2), CLOCKS[1]) / rods
     times.add(f"n={links}: by two workers", both, "rodgen.simulate in a loop", python)
-    extra, inside = prepared(model, p[:1], y0, keep)
+    extra, inside = run_costs(model, p[:1], y0, keep)
     times.add(f"n={links}: one run, Python's part", extra, "C's", inside)
 
 

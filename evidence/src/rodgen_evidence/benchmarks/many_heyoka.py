@@ -5,9 +5,9 @@ python -m rodgen_evidence.benchmarks.many_heyoka [LINKS] [RODS] [plain]
 Free rods under a thrust that differs from rod to rod; what is compared is the state at the end,
 against runs at a much smaller tolerance, of which the first and the last are checked by another
 method. heyoka (in the extra `peers` of this package) has the O(n) expressions of
-rodgen_evidence.report.peers.chain, with the thrust as a runtime parameter, as many rods side by
-side as it recommends, in compact mode; with `plain` in the other one, whose code is straight,
-faster, and slow to compile. Nothing is sampled by either.
+rodgen_evidence.report.peers.chain_accelerations, with the thrust as a runtime parameter, as many
+rods side by side as it recommends, in compact mode; with `plain` in the other one, whose code is
+straight, faster, and slow to compile. Nothing is sampled by either.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ import numpy as np
 import rodgen
 from rodgen_evidence.benchmarks import Times
 from rodgen_evidence.benchmarks.many import SPAN, best
-from rodgen_evidence.report.costs.rod import VALUES, Array, scene
+from rodgen_evidence.report.costs.cost_rows import VALUES, Array, scene
 
 RTOLS = (1e-4, 1e-6, 1e-8, 1e-10)
 TOLERANCES = (1e-2, 1e-4, 1e-6, 1e-9, 1e-12)  # of a step of a Taylor series
@@ -32,7 +32,7 @@ SIDE = 512  # rods that rodgen is given at once at least, so that what Python ta
 
 
 class Point(NamedTuple):
-    """What a run takes [s], and its largest error: rms over the angles of a rod [rad]."""
+    """Time of a run [s] and its largest error: rms over the angles of a rod [rad]."""
 
     seconds: float
     error: float
@@ -80,13 +80,13 @@ def of_heyoka(links: int, exact: Array, rounds: int, compact: bool) -> list[Poin
     """A point for every tolerance, and what compiling took [s]."""
     import heyoka as hy
 
-    from rodgen_evidence.report.peers import chain
+    from rodgen_evidence.report.peers import chain_accelerations
     from rodgen_evidence.report.peers.heyoka_rod import SYMBOLS
 
     of, rods, width = scene(links), len(exact), hy.recommended_simd_size()
     unknown = [hy.make_vars(*(f"{name}{i}" for i in range(links + 2))) for name in "qu"]
     given = {**of.parameters, "follower_force": hy.par[0]}
-    rates = chain.accelerations(of.structure, given, unknown[0], unknown[1], SYMBOLS)
+    rates = chain_accelerations.accelerations(of.structure, given, unknown[0], unknown[1], SYMBOLS)
     system = list(zip([*unknown[0], *unknown[1]], [*unknown[1], *rates], strict=True))
     start = np.tile(of.initial_state()[:, None], (1, width))
     forces = np.resize(thrusts(rods), (-(-rods // width), width))

@@ -15,11 +15,18 @@ import numpy as np
 import rodgen
 from rodgen_evidence.benchmarks import Times
 from rodgen_evidence.report.costs import rates
-from rodgen_evidence.report.costs.rod import THRUST, Array, built, packed, scene, state
+from rodgen_evidence.report.costs.cost_rows import (
+    THRUST,
+    Array,
+    built,
+    parameter_vector,
+    scene,
+    state,
+)
+from rodgen_evidence.report.interleaved_timing import Batch, time_in_turns
 from rodgen_evidence.report.peers import RATES
-from rodgen_evidence.report.peers.native import Native, compiled
+from rodgen_evidence.report.peers.native import Native, compile_function
 from rodgen_evidence.report.surroundings import flags
-from rodgen_evidence.report.timing import Batch, interleaved
 
 AGREED = 1e-9  # relative
 
@@ -28,10 +35,10 @@ def yardstick(links: int) -> Native:
     """The plain elimination for so many links."""
     text = files(__package__).joinpath("yardstick.c").read_text(encoding="utf-8")
     own = [*flags().split(), f"-DN={links}"]
-    return compiled({"yardstick.c": text}, "yardstick_rhs", own)
+    return compile_function({"yardstick.c": text}, "yardstick_rhs", own)
 
 
-def tapered(links: int, y: Array) -> Batch:
+def tapered_rod(links: int, y: Array) -> Batch:
     """A rod whose stiffness and mass differ along it, and that carries bodies at both ends and
     beside it."""
     table = scene(links).model_dump(exclude_none=True)
@@ -51,15 +58,15 @@ def rhs(sizes: Sequence[int] = (5, 20, 50, 200, 1000), peers: bool = True) -> Ti
     times = Times("the right-hand side, from C")
     for links in sizes:
         module, y = built(links, THRUST), state(links)
-        p = packed(module)
+        p = parameter_vector(module)
         ours, plain = rates.native(links), yardstick(links)
         off = np.abs(ours(0.0, y, p) - plain(0.0, y, p)).max() / np.abs(plain(0.0, y, p)).max()
         if not off < AGREED:
             raise ArithmeticError(f"the yardstick differs by {off:.1e} at {links} links")
-        both = interleaved({"ours": ours.batch(y, p), "plain": plain.batch(y, p)})
+        both = time_in_turns({"ours": ours.batch(y, p), "plain": plain.batch(y, p)})
         median = both["ours"]
         times.add(f"n={links}", median, "plain elimination", both["plain"])
-        both = interleaved({"even": ours.batch(y, p), "tapered": tapered(links, y)})
+        both = time_in_turns({"even": ours.batch(y, p), "tapered": tapered_rod(links, y)})
         what = f"n={links}: tapered, with three bodies"
         times.add(what, both["tapered"], "even", both["even"])
         rows = [*rates.rates(links, module, True), *rates.jacobians(links, module, True)]

@@ -1,4 +1,4 @@
-"""What studies cost beside the runs that they consist of.
+"""Times of studies beside the runs that they consist of.
 
 python -m rodgen_evidence.benchmarks.study_engine [RUNS] [TASKS]
 
@@ -32,8 +32,8 @@ from rodgen_evidence.benchmarks.clusters import (
     KEEP,
     MASS,
     Empty,
-    ended,
     peak,
+    processor_time,
     spent,
     study_of,
     workers,
@@ -45,7 +45,7 @@ WORKERS = 2
 
 
 def span_of(seconds: float = RUN, some: int = 64) -> float:
-    """How long runs have to be that take so many seconds of a processor, side by side [s]."""
+    """Length of runs that take so many seconds of a processor, side by side [s]."""
     span = 5.0
     for _ in range(2):
         study = study_of(some, span)
@@ -72,9 +72,9 @@ def chosen(times: Times, folder: Path, count: int, span: float, turns: int = 3) 
     study, owns, wholes = study_of(count, span), [], []
     for turn in range(turns):
         owns.append(in_c(study))
-        start = ended()
+        start = processor_time()
         run_study(study, folder / f"chosen{turn}.zarr")
-        wholes.append(ended() - start)
+        wholes.append(processor_time() - start)
     times.add(f"{count} runs as a study", min(wholes), "in C", min(owns))
 
 
@@ -82,9 +82,9 @@ def whole(times: Times, folder: Path, count: int, span: float) -> None:
     """A whole study by workers that are started and ended, beside its runs in C; and of all this
     the share that the engine and the store take."""
     study, path = study_of(count, span), folder / f"whole{count}.zarr"
-    own, start = in_c(study), ended()
+    own, start = in_c(study), processor_time()
     run_study(study, path, workers=WORKERS)
-    taken = ended() - start
+    taken = processor_time() - start
     points_own = float(read_store(path)["seconds"].sum())
     times.add(f"{count} runs as a study, {WORKERS} workers, from start to end", taken, "in C", own)
     times.add(f"of it {WORKERS} workers started, engine, store", taken - points_own, "all", taken)

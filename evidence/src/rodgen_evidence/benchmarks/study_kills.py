@@ -57,8 +57,11 @@ keep = ["last(tip_x)", "max(phi_2)"]
 
 @dataclass(frozen=True)
 class Outcome:
-    """Of a study: how many of its workers and clients were killed, whether its bits are those of an
-    undisturbed one, and how many of its points were there at each death of a client."""
+    """Outcome of a study under kills.
+
+    workers, clients: how many of them were killed; same: whether its bits are those of an
+    undisturbed one; kept: how many of its points were there at each death of a client.
+    """
 
     workers: int
     clients: int
@@ -71,8 +74,10 @@ def workers_of(client: psutil.Process) -> list[psutil.Process]:
     return [one for one in client.children() if "--multiprocessing-fork" in one.cmdline()]
 
 
-def disturbed(file: Path, store: StudyStore, chance: random.Random, kills: int) -> list[int]:
-    """Compute a study under kills: how many workers were killed, and of every client that was, how
+def compute_under_kills(
+    file: Path, store: StudyStore, chance: random.Random, kills: int
+) -> list[int]:
+    """Compute a study under kills; return how many workers were killed and, for every client, how
     many points it left."""
     command = [sys.executable, "-m", "rodgen", "study", str(file), "--out", str(file.parent)]
     quiet: Any = {"stdout": subprocess.DEVNULL, "stderr": subprocess.PIPE}
@@ -120,7 +125,7 @@ def outcome(seed: int, points: int = POINTS, span: float = 12.0, kills: int = KI
         file.write_text(FILE.format(points=points, seed=seed, span=span))
         study = Study.from_toml(file)
         store = StudyStore.create(Path(made, "killed", "study.zarr"), study, BLOCK)
-        workers, *kept = disturbed(file, store, chance, kills)
+        workers, *kept = compute_under_kills(file, store, chance, kills)
         found, expected = read_store(store.path), rodgen.study(study, workers=1)
         there = bool(np.all(found["status"].values == "finished"))
         return Outcome(workers, len(kept), there and same(found, expected), tuple(kept))

@@ -1,4 +1,4 @@
-"""What Dask's scheduler bears: tasks of a study that do nothing and write nothing.
+"""Load of Dask's scheduler by tasks of a study that do nothing and write nothing.
 
 python -m rodgen_evidence.benchmarks.study_load [TASKS] [WORKERS] [SECONDS]
 
@@ -83,7 +83,7 @@ def used(of: list[int]) -> list[float]:
 
 
 def _of_three(values: list[float], join: Callable[[list[float]], float]) -> list[float]:
-    """Of scheduler, workers and client, in that order."""
+    """Join the values of the workers, between those of the scheduler and the client."""
     return [values[0], join(values[1:-1]), values[-1]]
 
 

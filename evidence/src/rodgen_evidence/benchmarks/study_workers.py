@@ -47,8 +47,8 @@ class Waiting(distributed.WorkerPlugin):  # type: ignore[misc]  # Dask has no ty
 
 
 def taken(study: Study, size: int, count: int, seconds: float | None = None) -> float:
-    """How long a study takes by the clock, from the first task on [s]; seconds: that its blocks
-    wait in place of computing."""
+    """Time of a study by the clock, from the first task on [s]; seconds: that its blocks wait in
+    place of computing."""
     plugin = None if seconds is None else Waiting(seconds)
     with tempfile.TemporaryDirectory() as made, workers(count, plugin) as address:
         path = Path(made, "study.zarr")
@@ -60,15 +60,14 @@ def taken(study: Study, size: int, count: int, seconds: float | None = None) -> 
 
 
 def waiting(blocks: int, counts: Sequence[int] = COUNTS, seconds: float = BLOCK) -> list[float]:
-    """How many times sooner blocks are done that wait, by so many workers than one after the
-    other in no time but their own."""
+    """Speed-up of blocks that wait, by so many workers, over one after the other in no time but
+    their own."""
     study = study_of(blocks)
     return [blocks * seconds / taken(study, 1, count, seconds) for count in counts]
 
 
 def computing(blocks: int, counts: Sequence[int]) -> list[float]:
-    """How many times sooner blocks that compute are done than by the first of these numbers of
-    workers."""
+    """Speed-up of blocks that compute, over the first of these numbers of workers."""
     span = span_of(BLOCK / POINTS)
     found = [taken(study_of(blocks * POINTS, span), POINTS, count) for count in counts]
     return [found[0] / one for one in found]
@@ -77,8 +76,8 @@ def computing(blocks: int, counts: Sequence[int]) -> list[float]:
 def bits(
     points: int, counts: Sequence[int] = (1, 2, 16), sizes: Sequence[int] = (1, 7, 100)
 ) -> list[tuple[int, int, bool]]:
-    """By so many workers in blocks of so many points: whether a study is what it is in one process
-    in one go, bit for bit."""
+    """Whether a study by so many workers in blocks of so many points is that of one process in one
+    go, bit for bit."""
     study, found = study_of(points, 0.5), []
     with tempfile.TemporaryDirectory() as made:
         expected = _read(study, Path(made, "alone.zarr"), points, workers=1)

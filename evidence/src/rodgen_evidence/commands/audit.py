@@ -23,7 +23,7 @@ def audit(
 ) -> None:
     """Compare the thesis's equations 2.1 to 2.65 and its listing with what is derived."""
     from rodgen_evidence.pages.audit_page import MEANING, counts, json_object, parts, write_audit
-    from rodgen_evidence.thesis.audit import audit as thesis
+    from rodgen_evidence.thesis.audit import thesis_claims as thesis
     from rodgen_evidence.thesis.audit.java_steppers import stepper_orders
 
     folder = make_writable(out_folder)

@@ -45,7 +45,7 @@ def report(
     installed.
     """
     from rodgen_evidence.pages.report_page import write_report
-    from rodgen_evidence.report.report import OF_SCENES, SECTIONS, measure, needed
+    from rodgen_evidence.report.sections import OF_SCENES, SECTIONS, measure, required_sections
     from rodgen_evidence.report.surroundings import machine, versions
     from rodgen_evidence.report.unit import Measured
 
@@ -72,7 +72,7 @@ def report(
         "scenes": {case.name: case.why for case in cases},
     }
     page = write_report(folder, found, made)
-    for section in needed(chosen):
+    for section in required_sections(chosen):
         failed = failures[section]
         count = sum(len(one.rows) for one in found[section])
         out.print(f"{section:14} {count:5d} rows{f', {failed} units failed' if failed else ''}")
@@ -83,7 +83,7 @@ def report(
 
 
 def _cases(files: list[Path], quick: bool) -> list[Case]:
-    """Those of files, or the fixed set."""
+    """Cases of scene files, or the fixed set."""
     from rodgen_evidence.report import cases
 
     if not files:

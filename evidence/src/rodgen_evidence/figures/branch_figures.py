@@ -41,8 +41,12 @@ def imperfect_column(scenes: Path) -> Figure:
 
 
 def damped_column(scenes: Path) -> Figure:
-    """The boundary of flutter of Beck's column with internal damping."""
-    scene = rodgen.Scene.from_toml(scenes / "beck_after_flutter.toml")
+    """Draw the boundary of flutter of Beck's column of 20 links with internal damping."""
+    table = rodgen.Scene.from_toml(scenes / "beck_after_flutter.toml").model_dump(exclude_none=True)
+    table["rod"]["links"] = 20
+    del table["loads"]["material_damping"]
+    table["loads"]["internal_damping"] = {"coefficient": 0.2}  # m^2/s
+    scene = rodgen.Scene.from_dict(table)
     bounds = ((0.0, 60.0), None)
     return boundary_curve(rodgen.stability_boundary(scene, (FORCE, INTERNAL), bounds=bounds), scene)
 

@@ -25,7 +25,7 @@ from rodgen.system import ParameterRange, System
 from rodgen_evidence.figures.model_figures import STYLE
 from rodgen_evidence.figures.model_parts import FORCE, GUIDE
 from rodgen_evidence.figures.rocket_figures import sheet
-from rodgen_evidence.galerkin import Array, Column, Onset, bare, polynomials
+from rodgen_evidence.galerkin import Array, FlutterOnset, GalerkinColumn, bare, polynomials
 
 KEY, DAMPING = "loads.follower.force", "foundation.damping"
 MASS = 0.3
@@ -38,7 +38,7 @@ SHARES = (-0.6, 0.8)
 Numbers = tuple[float, float, float, float]
 
 
-def rod(scene: rodgen.Scene, links: int, column: Column) -> rodgen.Scene:
+def rod(scene: rodgen.Scene, links: int, column: GalerkinColumn) -> rodgen.Scene:
     """The rod of the scene with so many links and the numbers of a column."""
     table: dict[str, Any] = scene.model_dump(exclude_none=True)
     stiffness = [*[1.0] * (links - 1), 2 / 3, 1.0]
@@ -49,12 +49,12 @@ def rod(scene: rodgen.Scene, links: int, column: Column) -> rodgen.Scene:
     return rodgen.Scene.from_dict(table)
 
 
-def onset(scene: rodgen.Scene, ends: tuple[float, float] = (0.5, 60.0)) -> Onset:
+def onset(scene: rodgen.Scene, ends: tuple[float, float] = (0.5, 60.0)) -> FlutterOnset:
     """The first Hopf point of a scene along its thrust, by rodgen's normal form."""
     search = CycleSearch.of(System(scene))
     hopf, _ = first_hopf(search, ParameterRange(search.system, KEY, ends))
     turn = -hopf.coefficient.real / hopf.slope.real
-    return Onset(hopf.value, hopf.frequency, turn)
+    return FlutterOnset(hopf.value, hopf.frequency, turn)
 
 
 def tip_mass(scenes: Path) -> Figure:
@@ -71,7 +71,7 @@ def tip_mass(scenes: Path) -> Figure:
         of_inertia = partial(_numbers, external=c, internal=tau)
         _turns(turning, scene, INERTIA, of_inertia, colour, f"c = {c:g}")
     _turns(damped, scene, EXTERNAL, lambda c: (MASS, 0.1, c, 0.01), FORCE, "")
-    few = [Column(bare(2), *_numbers(b, 1.0, 0.001)).onset() for b in INERTIA]
+    few = [GalerkinColumn(bare(2), *_numbers(b, 1.0, 0.001)).onset() for b in INERTIA]
     turning.plot(INERTIA, [*map(_share, few)], "--", color=GUIDE, label=FEW)
     damped.set(xlabel=r"external damping $c L^2/\sqrt{mEI}$", ylabel="turn / critical force")
     turning.set(xlabel=r"moment of inertia $J/mL^3$")
@@ -105,14 +105,14 @@ def _turns(
     label: str,
 ) -> None:
     """The turn of the column (a line) and of rods (dots) along one number."""
-    columns = [Column(polynomials(8), *numbers(value)) for value in values]
+    columns = [GalerkinColumn(polynomials(8), *numbers(value)) for value in values]
     axes.plot(values, [_share(one.onset()) for one in columns], color=colour, label=label)
     some = slice(None, None, 4)
     dots = [_share(onset(rod(scene, LINKS, one))) for one in columns[some]]
     axes.plot(values[some], dots, "o", color=colour, markersize=3.5)
 
 
-def _share(found: Onset) -> float:
+def _share(found: FlutterOnset) -> float:
     """The turn as a share of the force; none where another oscillation is first, which turns far
     more."""
     share = found.turn / found.force

@@ -44,7 +44,7 @@ from rodgen_evidence.figures.model_parts import (
 
 
 @dataclass(frozen=True)
-class Loading:
+class CompressedRod:
     """A straight rod under a compressive force that grows: how it is built, the force (of EI/L^2)
     up to which it is drawn, and its eigenvalues at zero, by which it moves as a rigid body."""
 
@@ -72,8 +72,10 @@ class Loading:
         return low
 
 
-FLUTTER = Loading(Structure(10, "free", terms=("follower",)), "follower_force", 1.0, 120.0, 6)
-DIVERGENCE = Loading(Structure(10, "clamped", terms=("tip_load",)), "tip_force_x", -1.0, 3.2, 0)
+FLUTTER = CompressedRod(Structure(10, "free", terms=("follower",)), "follower_force", 1.0, 120.0, 6)
+DIVERGENCE = CompressedRod(
+    Structure(10, "clamped", terms=("tip_load",)), "tip_force_x", -1.0, 3.2, 0
+)
 
 
 def frequencies() -> Figure:
@@ -94,7 +96,7 @@ def frequencies() -> Figure:
     return figure
 
 
-def _curves(axes: Axes, loading: Loading, share: np.ndarray, count: int) -> None:
+def _curves(axes: Axes, loading: CompressedRod, share: np.ndarray, count: int) -> None:
     """The ``count`` lowest frequencies, and how fast motion grows, below and above the critical
     force; points are dense beside it, where the curves are steep."""
     critical = loading.critical()

@@ -138,7 +138,7 @@ def wall(axes: Axes, start: Point, end: Point, into: Point) -> None:
 
 
 def damping() -> Figure:
-    """What external and internal damping and the spring do at a joint."""
+    """Draw how external and internal damping and the spring act at a joint."""
     figure, axes = sheet(5.4, 2.2, 1.33)
     phi = [0.5, -0.05]
     mean = sum(phi) / 2

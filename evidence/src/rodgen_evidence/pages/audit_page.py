@@ -14,8 +14,8 @@ from sympy import Expr, Symbol, latex
 from sympy.printing.mathml import mathml
 
 from rodgen.loading.cache import write_whole
+from rodgen_evidence.page_tables import Cell, Shown
 from rodgen_evidence.pages.folder import anchor, render
-from rodgen_evidence.tables import Cell, Shown
 from rodgen_evidence.thesis.audit.claim import LINKS, NOT_PRINTED, Finding, Verdict, entry_name
 from rodgen_evidence.thesis.audit.java_steppers import Order
 
@@ -88,7 +88,7 @@ def parts(findings: Sequence[Finding]) -> dict[str, list[Finding]]:
 
 
 def counts(findings: Sequence[Finding]) -> Counter[Verdict]:
-    """How many findings there are of each verdict."""
+    """Count the findings of each verdict."""
     return Counter(f.verdict for f in findings)
 
 
@@ -110,7 +110,7 @@ def json_object(findings: Sequence[Finding], orders: Sequence[Order]) -> dict[st
                 "reading": order.reading,
                 "loads": order.loads,
                 "claimed": order.nominal,
-                "measured": order.measured,
+                "measured": order.slope,
                 "verdict": order.verdict.value,
                 "steps": list(order.steps),
                 "errors": list(order.errors),
@@ -189,7 +189,7 @@ def _content(findings: Sequence[Finding], orders: Sequence[Order]) -> dict[str, 
         [
             *map(Cell, (o.name, o.lines, o.reading, o.loads)),
             Cell(str(o.nominal), "number"),
-            Cell(f"{round(o.measured, 1) + 0.0:.1f}", "number"),
+            Cell(f"{round(o.slope, 1) + 0.0:.1f}", "number"),
             _badge(o.verdict),
         ]
         for o in orders
@@ -226,7 +226,7 @@ def _part(title: str, findings: Sequence[Finding]) -> dict[str, Any]:
 
 
 def _shown(finding: Finding) -> dict[str, Any]:
-    """What is told of a finding, with its differences as formulas."""
+    """Entries of a finding on the page, with its differences as formulas."""
     told, links = _told(finding), finding.claim.links
     values = (value for _, _, value in finding.remains.values())
     for row, value in zip(told["remains"], values, strict=True):

@@ -57,7 +57,7 @@ BRIGHT = {
 
 @dataclass(frozen=True)
 class Pictures:
-    """Where pictures are written."""
+    """Folder to which pictures are written."""
 
     folder: Path
 
@@ -76,12 +76,12 @@ class Pictures:
 
 
 def anchor(name: str) -> str:
-    """As a name of a place in a page and of a file."""
+    """Turn a name into that of a place in a page and of a file."""
     return re.sub(r"[^a-z0-9]+", "-", name.lower()).strip("-")
 
 
 def part(title: str, text: list[str], **more: Any) -> Part:
-    """For the template; figures that are None are left out."""
+    """Entries of a part for the template; figures that are None are left out."""
     empty: Part = {"figures": [], "tables": [], "folded": [], "legend": [], "said": []}
     more["figures"] = [picture for picture in more.get("figures", ()) if picture]
     return {"anchor": anchor(title), "title": title, "text": text, **empty, **more}

@@ -69,7 +69,7 @@ ORDERS_OF = "free_n20"  # the scene on which orders are looked at
 def small_diagram(
     rows: Sequence[Measurement], measure: str, cost: str, trusted: float
 ) -> Figure | None:
-    """Small work-precision diagram without names. cost: "seconds", or "rhs" for evaluations."""
+    """Small work-precision diagram without names. cost: "seconds", or "nfev" for evaluations."""
     if not drawable_rows(rows, measure, cost):
         return None
     # Its place need not be looked for, as there is nothing outside: that takes half of the time.
@@ -85,7 +85,7 @@ def small_diagram(
 
 
 def growth(rows: Sequence[Measurement]) -> Figure | None:
-    """How errors grow in time, with the exponential fitted to them."""
+    """Draw the growth of errors in time, with the exponential fitted to them."""
     shown = [row for row in rows if has_result(row) and len(curve(row, "t"))]
     if not shown:
         return None
@@ -105,7 +105,7 @@ def growth(rows: Sequence[Measurement]) -> Figure | None:
 
 
 def against_n(rows: DataFrame) -> Figure | None:
-    """What one kind of work costs against the number of links."""
+    """Draw the time of one kind of work against the number of links."""
     shown = rows[(rows["failed"] == "") & (rows["seconds"] > 0)].sort_values("n", kind="stable")
     if shown.empty:
         return None
@@ -118,8 +118,8 @@ def against_n(rows: DataFrame) -> Figure | None:
     return add_legend(figure, 2)
 
 
-def saved(ratios: DataFrame) -> Figure | None:
-    """How many times as much every term at zero costs, by scene."""
+def savings(ratios: DataFrame) -> Figure | None:
+    """Draw by scene how many times as much every term at zero costs."""
     if ratios.empty:
         return None
     figure, frame = make_diagram(WIDTH, 1.1 + 0.62 * len(ratios), "times as much", "")
@@ -183,7 +183,7 @@ def orders(contents: Contents) -> Figure | None:
 
 
 def extremes(rows: DataFrame) -> Figure | None:
-    """By group and method: how many cases are right, coloured by the worst outcome."""
+    """Draw how many cases are right by group and method, coloured by the worst outcome."""
     # What cannot be computed at all is no matter of methods.
     rows = rows[(rows["outcome"] != "") & (rows["group"] != "invalid")]
     if rows.empty:

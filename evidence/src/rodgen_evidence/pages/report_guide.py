@@ -21,7 +21,7 @@ from rodgen.show.precision_pictures import work_precision
 from rodgen_evidence.pages import report_curves as curves
 from rodgen_evidence.pages.report_matrix import legend
 from rodgen_evidence.pages.report_page import read_report
-from rodgen_evidence.report.contents import Contents, frame, of, trusted
+from rodgen_evidence.report.contents import Contents, frame, of, reference_error
 from rodgen_evidence.report.costs.against_n import fits
 from rodgen_evidence.report.precision.duels import side
 from rodgen_evidence.report.precision.orders import finest
@@ -32,7 +32,7 @@ FORMS = {"c": "C", "numpy chain": "NumPy", "numpy dense": "NumPy, dense form"}
 
 
 def rates(contents: Contents) -> list[str]:
-    """How many times as long rhs takes in NumPy as in C, and how all of them grow."""
+    """Table of how many times as long rhs takes in NumPy as in C, and how all of them grow."""
     rows = [row for row in of(contents, "costs", what="rhs") if has_result(row)]
     by = {(row["who"], row["n"]): read_number(row, "seconds") for row in rows}
     found = fits(frame(rows)).set_index("who")
@@ -64,7 +64,7 @@ def orders(contents: Contents) -> list[str]:
 
 
 def steps(contents: Contents) -> list[str]:
-    """How far largest stable steps are from theory, by damping."""
+    """Table of the distance of largest stable steps from theory, by damping."""
     rows = frame(of(contents, "steps")).dropna(subset="off")
     body = []
     for damping, some in rows.groupby("damping", sort=False):
@@ -75,7 +75,7 @@ def steps(contents: Contents) -> list[str]:
 
 
 def extremes(contents: Contents) -> list[str]:
-    """How many runs of extreme cases came to what."""
+    """Table of the outcomes of extreme cases."""
     rows = frame(of(contents, "extremes"))
     body = [[e["name"], f"{e['count']}", e["meaning"]] for e in legend(rows)]
     return _table((f"of {len(rows)} runs", "", "what that is"), body)
@@ -162,9 +162,9 @@ def _duel(row: Measurement, runs: Sequence[Measurement]) -> list[str]:
 
 
 def _evaluations(row: Measurement, who: str, runs: Sequence[Measurement]) -> str:
-    """How often one side of a duel evaluated rhs, from its run in the section precision."""
+    """Number of evaluations of rhs by one side of a duel, from its run in the section precision."""
     counts = (
-        run.get("rhs")
+        run.get("nfev")
         for run in runs
         if run["scene"] == row["scene"]
         and run.get("setting") is not None
@@ -183,17 +183,17 @@ TABLES: Tables = {
 }
 
 
-def guide_renewed(guide: str, contents: Contents) -> str:
-    """The guide with its tables made anew. Raises ValueError where marks are missing."""
-    return _renewed(guide, contents, TABLES)
+def renew_guide(guide: str, contents: Contents) -> str:
+    """Renew the tables of the guide. Raises ValueError where marks are missing."""
+    return _renew(guide, contents, TABLES)
 
 
-def speed_renewed(page: str, contents: Contents) -> str:
-    """The page of speeds with its tables made anew. Raises ValueError where marks are missing."""
-    return _renewed(page, contents, {"speed": speed})
+def renew_speed(page: str, contents: Contents) -> str:
+    """Renew the tables of the page of speeds. Raises ValueError where marks are missing."""
+    return _renew(page, contents, {"speed": speed})
 
 
-def _renewed(page: str, contents: Contents, tables: Tables) -> str:
+def _renew(page: str, contents: Contents, tables: Tables) -> str:
     for name, made in tables.items():
         begin, end = f"<!-- {name}: from report/report.json -->", f"<!-- /{name} -->"
         start, rest = page.split(begin)
@@ -205,7 +205,7 @@ def _renewed(page: str, contents: Contents, tables: Tables) -> str:
 def _of_scene(name: str) -> Callable[[Contents], Figure | None]:
     """Run time against the error of a scene's angles."""
     return lambda contents: work_precision(
-        of(contents, "precision", scene=name), "error_phi", trusted(contents, name)
+        of(contents, "precision", scene=name), "error_phi", reference_error(contents, name)
     )
 
 
@@ -243,7 +243,7 @@ def save_guide_figures(report_json: Path, folder: Path) -> list[Path]:
 if __name__ == "__main__":
     report, speeds, guide = map(Path, sys.argv[1:])
     contents, _ = read_report(report)
-    for page, renewed in ((speeds, speed_renewed), (guide, guide_renewed)):
+    for page, renewed in ((speeds, renew_speed), (guide, renew_guide)):
         write_whole(page, renewed(page.read_text(encoding="utf-8"), contents))
     for file in save_guide_figures(report, guide.parent / "pictures"):
         print(file)

@@ -8,8 +8,8 @@ from typing import Any
 from pandas import DataFrame, Series
 
 from rodgen.analyse.precision.rows import TARGETS
+from rodgen_evidence.page_tables import NONE, Cell, Shown, error, three
 from rodgen_evidence.report.stability.rounding import excess, losing
-from rodgen_evidence.tables import NONE, Cell, Shown, error, three
 
 # Times the unavoidable error, from which on a cell has the next colour.
 BOUNDS = (3.0, 10.0, 100.0, 1e4)
@@ -55,7 +55,7 @@ def _outcomes(title: str, rows: DataFrame) -> Shown:
 
 
 def _together(rows: DataFrame) -> DataFrame:
-    """Those of a group together, in the order of the rows."""
+    """Sort the rows of each group together, groups in the order of the rows."""
     order = {group: at for at, group in enumerate(rows["group"].unique())}
     return rows.sort_values("group", key=lambda group: group.map(order), kind="stable")
 

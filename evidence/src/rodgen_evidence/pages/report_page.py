@@ -14,13 +14,13 @@ from pandas import DataFrame
 from rodgen.analyse.precision.contestant import Measurement
 from rodgen.analyse.precision.rows import format_short
 from rodgen.loading.cache import write_whole
+from rodgen_evidence.page_tables import Column, table, words
 from rodgen_evidence.pages.folder import PAGE, Pictures, put_whole, render
 from rodgen_evidence.pages.report_parts import parts, scene_part
 from rodgen_evidence.pages.report_tables import CUT, FAILURES, SECTIONS
-from rodgen_evidence.report.contents import Contents, case_named, failures, frame, of, records
-from rodgen_evidence.report.summary import ASKED, best_row, scenes, sentences
+from rodgen_evidence.report.contents import Contents, case_name, failures, frame, of, records
+from rodgen_evidence.report.report_summary import ASKED, best_row, scenes, sentences
 from rodgen_evidence.report.unit import Measured
-from rodgen_evidence.tables import Column, table, words
 
 TEMPLATE = "report.html.jinja"
 DATA = "report.json"
@@ -64,7 +64,7 @@ def html(contents: Contents, made: Mapping[str, Any], pictures: Pictures) -> str
         TEMPLATE,
         introduction=[" ".join(INTRODUCTION)],
         sentences=sentences(contents),
-        wrong=[(case_named(row), row["said"]) for row in records(wrong)],
+        wrong=[(case_name(row), row["said"]) for row in records(wrong)],
         best=table("The fastest by scene", best, (Column("scene", "scene", words), *asked)),
         scenes=[
             scene_part(contents, scene, pictures, made.get(SCENES, {}).get(scene, ""))
@@ -111,7 +111,7 @@ def read_report(file: Path) -> tuple[dict[str, list[Measured]], dict[str, Any]]:
 
 
 def csv_name(section: str) -> str:
-    """Its file beside the page."""
+    """Name the file of a section beside the page."""
     return f"{section}.csv"
 
 

@@ -9,26 +9,26 @@ from pandas import DataFrame
 from rodgen.analyse.precision.contestant import Measurement
 from rodgen.analyse.precision.rows import format_label, pareto_front
 from rodgen.show import precision_pictures as figures
+from rodgen_evidence.page_tables import table
 from rodgen_evidence.pages import report_curves as curves
 from rodgen_evidence.pages import report_matrix as matrix
 from rodgen_evidence.pages import report_tables as columns
 from rodgen_evidence.pages.folder import Part, Pictures, anchor, part
-from rodgen_evidence.pages.report_tables import CUT, named
+from rodgen_evidence.pages.report_tables import CUT, add_names
 from rodgen_evidence.report.contents import (
     Contents,
-    case_named,
+    case_name,
     failed_of,
     frame,
     of,
     records,
-    trusted,
+    reference_error,
 )
 from rodgen_evidence.report.costs.against_n import fits
 from rodgen_evidence.report.costs.leaving_out import savings
 from rodgen_evidence.report.precision.orders import FLOOR, looked_at
+from rodgen_evidence.report.report_summary import growths
 from rodgen_evidence.report.stability.steps import off_theory
-from rodgen_evidence.report.summary import growths
-from rodgen_evidence.tables import table
 
 TAKEN = ["setup_generate", "setup_compile"]
 WITHOUT = (
@@ -42,7 +42,7 @@ def scene_part(contents: Contents, scene: str, pictures: Pictures, why: str) -> 
     """All of a scene for the template; its pictures are drawn. why: it is there."""
     rows = of(contents, "precision", scene=scene)
     references = of(contents, "references", scene=scene)
-    fixed, adaptive = _slopes(rows, trusted(contents, scene))
+    fixed, adaptive = _slopes(rows, reference_error(contents, scene))
     every = frame(rows)
     links = (references or rows)[0].get("n")
     return {
@@ -57,10 +57,10 @@ def scene_part(contents: Contents, scene: str, pictures: Pictures, why: str) -> 
         "figures": _figures(contents, scene, rows, pictures),
         "unseen": int((every["error_phi"] > figures.LARGEST).sum()),
         "largest": f"{figures.LARGEST:g}",
-        "orders": table("Observed orders of fixed steps", named(fixed), columns.ORDERS),
-        "adaptive": table("Slopes of adaptive methods", named(adaptive), columns.SLOPES),
+        "orders": table("Observed orders of fixed steps", add_names(fixed), columns.ORDERS),
+        "adaptive": table("Slopes of adaptive methods", add_names(adaptive), columns.SLOPES),
         "setup": table("Before the first step", _setup(every), columns.SETUP),
-        "settings": table("All settings, errors and counts", named(rows), columns.SETTINGS),
+        "settings": table("All settings, errors and counts", add_names(rows), columns.SETTINGS),
         "failures": table(CUT, records(failed_of(contents, scene)), columns.FAILURES),
     }
 
@@ -68,10 +68,10 @@ def scene_part(contents: Contents, scene: str, pictures: Pictures, why: str) -> 
 def _figures(
     contents: Contents, scene: str, rows: list[Measurement], pictures: Pictures
 ) -> list[dict[str, Any]]:
-    """Those that have something to show: the angles large, the other measures small."""
+    """Work-precision diagrams of a scene: the angles large, the other measures small."""
     shown = []
     for measure, title in figures.MEASURES.items():
-        limit = trusted(contents, scene, measure)
+        limit = reference_error(contents, scene, measure)
         count = len({format_label(row) for row in figures.drawable_rows(rows, measure, "seconds")})
         caption = f"Run time against the {title}"
         best = _said(rows, measure, limit)
@@ -84,20 +84,20 @@ def _figures(
         )
         name = f"{scene}-{measure.removeprefix('error_')}"
         shown.append(pictures.save(figure, name, caption, alt, large=main))
-    figure = curves.small_diagram(rows, "error_phi", "rhs", trusted(contents, scene))
+    figure = curves.small_diagram(rows, "error_phi", "nfev", reference_error(contents, scene))
     caption = f"Evaluations of rhs against the {figures.MEASURES['error_phi']}"
     shown.append(pictures.save(figure, f"{scene}-evaluations", caption, f"{scene}: {caption}"))
     return [picture for picture in shown if picture]
 
 
 def _said(rows: list[Measurement], measure: str, limit: float) -> str:
-    """Whose the Pareto front is, for those who cannot see it."""
+    """Name the methods on the Pareto front, for readers who cannot see it."""
     names = dict.fromkeys(format_label(row) for row in pareto_front(rows, measure, limit))
     return f"On the Pareto front: {', '.join(names)}." if names else ""
 
 
 def _slopes(rows: list[Measurement], limit: float) -> tuple[list[Measurement], list[Measurement]]:
-    """Of errors against steps; against evaluations, then tolerances; or why none is to be seen.
+    """Slopes of errors against steps; against evaluations, then tolerances; or why there is none.
 
     limit: the reference's own error.
     """
@@ -137,7 +137,7 @@ FAIRNESS = (
 
 
 def parts(contents: Contents, pictures: Pictures) -> list[Part]:
-    """Those of which anything was measured."""
+    """Sections of the page of which anything was measured."""
     made = {
         "equal_error": _equal_error,
         "growth": _growth,
@@ -166,7 +166,7 @@ def _growth(contents: Contents, pictures: Pictures) -> Part:
         )
         for scene in frame(rows)["scene"].unique()
     ]
-    shown = [table("Fitted rates", named(rows), columns.GROWTH)]
+    shown = [table("Fitted rates", add_names(rows), columns.GROWTH)]
     return part("How errors grow in time", growths(contents), figures=drawn, tables=shown)
 
 
@@ -192,7 +192,7 @@ def _leaving_out(contents: Contents, pictures: Pictures) -> Part:
         "coefficients: how many times as much that costs."
     )
     ratios = savings(frame(rows))
-    drawn = pictures.save(curves.saved(ratios), "leaving-out", "What every term at zero costs")
+    drawn = pictures.save(curves.savings(ratios), "leaving-out", "What every term at zero costs")
     shown = records(ratios.reset_index())
     return part(
         *("What leaving out saves", [about]),
@@ -231,7 +231,7 @@ def _extremes(contents: Contents, _: Pictures) -> Part:
         ["What each method made of a case; a pointer on a cell shows the message.", WRONG],
         legend=matrix.legend(rows),
         tables=[*matrix.outcomes(rows), table(UNSEEN, unseen, columns.UNSEEN)],
-        said=[f"{case_named(r)}: {r['outcome']}. {r['said']}" for r in records(told)],
+        said=[f"{case_name(r)}: {r['outcome']}. {r['said']}" for r in records(told)],
     )
 
 

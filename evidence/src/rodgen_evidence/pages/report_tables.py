@@ -6,11 +6,11 @@ from collections.abc import Callable, Iterable
 
 from rodgen.analyse.precision.contestant import Measurement, Value
 from rodgen.analyse.precision.rows import format_label, format_setting
-from rodgen_evidence.tables import Column, count, error, percent, three, time, times, words
+from rodgen_evidence.page_tables import Column, count, error, percent, three, time, times, words
 
 
-def named(rows: Iterable[Measurement]) -> list[Measurement]:
-    """Rows with the name of the contestant and its setting in words."""
+def add_names(rows: Iterable[Measurement]) -> list[Measurement]:
+    """Add the name of the contestant and its setting in words to rows."""
     return [{**row, "label": format_label(row), "shown": format_setting(row)} for row in rows]
 
 
@@ -68,10 +68,13 @@ TITLES: dict[Callable[[Value], str], dict[str, str]] = {
         "condition": "condition",
     },
     count: {
-        **{key: key for key in ("steps", "rejected", "rhs", "factorisations", "rounds", "points")},
+        **{key: key for key in ("rejected", "rounds", "points")},
+        "nsteps": "steps",
+        "nfev": "rhs",
         **{key: key for key in ("units", "rows", "failures", "operations", "bytes")},
         "n": "links",
-        "jacobian": "Jacobians",
+        "njev": "Jacobians",
+        "nlu": "factorisations",
         "from": "from n",
         "to": "to n",
         "source_bytes": "source [bytes]",
@@ -108,7 +111,7 @@ def columns(keys: str, **titles: str) -> tuple[Column, ...]:
 
 SETTINGS = columns(
     "label shown seconds inside rounds error_phi error_angles error_rates error_tail error_modes "
-    "error_energy balance steps rejected rhs jacobian factorisations agreed failed",
+    "error_energy balance nsteps rejected nfev njev nlu agreed failed",
     seconds="run time",
 )
 SETUP = columns("label setup_generate setup_compile")
@@ -116,7 +119,7 @@ ORDERS = columns("label order observed points finest why", points="steps used")
 SLOPES = columns("label against exponent order points why", points="settings used")
 REFERENCE = columns(
     "method order tolerance estimate_phi estimate_angles estimate_rates estimate_tail "
-    "estimate_modes estimate_energy checked_by check_phi rhs seconds failed",
+    "estimate_modes estimate_energy checked_by check_phi nfev seconds failed",
     order="order",
     seconds="run time",
 )

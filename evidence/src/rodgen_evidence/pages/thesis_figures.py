@@ -13,9 +13,9 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
 from rodgen_evidence.thesis import data, scenes
-from rodgen_evidence.thesis.methods import NAMES
+from rodgen_evidence.thesis.largest_steps import NAMES
 from rodgen_evidence.thesis.percentages import beck
-from rodgen_evidence.thesis.table import Table
+from rodgen_evidence.thesis.table import ThesisTable
 
 DOTS_PER_INCH = 150
 # What is printed: hollow black marks. What is ours: coloured lines and dots.
@@ -28,7 +28,7 @@ PRINTED: dict[str, Any] = {
 OURS: dict[str, Any] = {"linewidth": 1.2, "markersize": 3.5}
 REFERENCE: dict[str, Any] = {"color": "grey", "linestyle": "--", "linewidth": 1.0}
 COLOURS = dict(zip(NAMES.values(), ("tab:red", "tab:blue", "tab:green"), strict=True))
-Tables = Mapping[str, Table]
+Tables = Mapping[str, ThesisTable]
 Draw = Callable[[Axes, Tables], object]
 
 

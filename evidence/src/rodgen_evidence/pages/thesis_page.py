@@ -10,13 +10,13 @@ from pathlib import Path
 from typing import Any
 
 from rodgen.loading.cache import write_whole
+from rodgen_evidence.page_tables import table as shown
 from rodgen_evidence.pages.folder import PAGE, put_whole, render
 from rodgen_evidence.pages.thesis_figures import FIGURES, save_figures
 from rodgen_evidence.report.contents import records
 from rodgen_evidence.report.surroundings import processor
-from rodgen_evidence.tables import table as shown
 from rodgen_evidence.thesis import scenes
-from rodgen_evidence.thesis.table import INCOMPARABLE, Table, by_size
+from rodgen_evidence.thesis.table import INCOMPARABLE, ThesisTable, by_size
 
 TEMPLATE = "thesis.html.jinja"
 INTRODUCTION = (
@@ -58,7 +58,7 @@ MEANINGS = {
 }
 
 
-def write_thesis(folder: Path, tables: Sequence[Table], seconds: float) -> Path:
+def write_thesis(folder: Path, tables: Sequence[ThesisTable], seconds: float) -> Path:
     """Write index.html, a CSV file for each table and the figures; returns the page.
 
     seconds: what the tables took. Everything is made before anything is put into the folder, and
@@ -72,7 +72,7 @@ def write_thesis(folder: Path, tables: Sequence[Table], seconds: float) -> Path:
     return folder / PAGE
 
 
-def html(tables: Sequence[Table], figures: dict[str, str], seconds: float) -> str:
+def html(tables: Sequence[ThesisTable], figures: dict[str, str], seconds: float) -> str:
     """The page; figures: files by number."""
     return render(
         TEMPLATE,
@@ -84,14 +84,14 @@ def html(tables: Sequence[Table], figures: dict[str, str], seconds: float) -> st
     )
 
 
-def csv_text(table: Table) -> str:
+def csv_text(table: ThesisTable) -> str:
     """A table with all digits; the head has the titles and units."""
     titles = {column.key: column.title for column in table.columns}
     return str(table.rows[list(titles)].rename(columns=titles).to_csv(index=False))
 
 
-def csv_name(table: Table) -> str:
-    """Its file beside the page."""
+def csv_name(table: ThesisTable) -> str:
+    """Name the file of a table beside the page."""
     return f"table_{table.number.replace('.', '_')}.csv"
 
 
@@ -106,7 +106,7 @@ def made_with(seconds: float) -> str:
     )
 
 
-def _table(table: Table, figures: dict[str, str]) -> dict[str, Any]:
+def _table(table: ThesisTable, figures: dict[str, str]) -> dict[str, Any]:
     numbered = table.number[0].isdigit()
     compared = (
         ROUNDED.format(c.title.split(" [")[0]) for c in table.columns if c.key == "discrete"
@@ -133,13 +133,13 @@ def _table(table: Table, figures: dict[str, str]) -> dict[str, Any]:
     }
 
 
-def deviations(table: Table) -> str:
-    """How many printed values are off by how much from the discrete model."""
+def deviations(table: ThesisTable) -> str:
+    """Describe how many printed values are off by how much from the discrete model."""
     return by_size(table.rows["deviation"].dropna()) if "deviation" in table.rows else ""
 
 
-def summary(table: Table) -> str:
-    """How many rows are reproduced to all printed digits, in a few words."""
+def summary(table: ThesisTable) -> str:
+    """Describe how many rows are reproduced to all printed digits."""
     if "verdict" in table.rows:
         verdicts = table.rows["verdict"].dropna()
         comparable = verdicts[~verdicts.str.startswith(INCOMPARABLE)]

@@ -1,1 +1,1 @@
-"""How far the numbers can be trusted: error against run time, costs, stability, extremes."""
+"""Report of how far numbers can be trusted: error against run time, costs, stability, extremes."""

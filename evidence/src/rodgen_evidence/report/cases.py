@@ -50,13 +50,13 @@ def free(links: int, span: float) -> Tables:
     return rod(f"free_n{links}", links, span, initial=bent)
 
 
-def pushed(name: str, force: float) -> Tables:
-    """Under end thrust [N]: flutter from 437.68 N on for 50 links."""
+def rod_under_thrust(name: str, force: float) -> Tables:
+    """Rod under end thrust [N]; with 50 links it flutters from 437.68 N on."""
     return rod(name, 50, 2.5, loads={"follower": {"force": force}})
 
 
-def damped(links: int, coefficient: float, span: float) -> Tables:
-    """Pushed, and with internal damping [m^2/s] far beyond what its fast modes can bear."""
+def damped_rod(links: int, coefficient: float, span: float) -> Tables:
+    """Rod under thrust with internal damping [m^2/s] far beyond what its fast modes can bear."""
     loads = {"follower": {"force": 300.0}, "internal_damping": {"coefficient": coefficient}}
     return rod(f"damped_n{links}", links, span, loads=loads)
 
@@ -98,16 +98,24 @@ _SET: tuple[tuple[Callable[[], Tables], str, bool], ...] = (
     (lambda: free(50, 2.5), "conservative free rod", False),
     (lambda: free(200, 0.2), "conservative free rod, many links", False),
     (lambda: free(1000, 0.01), "conservative free rod, very many links", False),
-    (lambda: pushed("below_flutter", 300.0), "thrust of 0.69 of the critical force", False),
-    (lambda: pushed("at_flutter", 437.68), "thrust at the critical force", False),
-    (lambda: pushed("above_flutter", 500.0), "thrust of 1.14 of the critical force", False),
+    (
+        lambda: rod_under_thrust("below_flutter", 300.0),
+        "thrust of 0.69 of the critical force",
+        False,
+    ),
+    (lambda: rod_under_thrust("at_flutter", 437.68), "thrust at the critical force", False),
+    (
+        lambda: rod_under_thrust("above_flutter", 500.0),
+        "thrust of 1.14 of the critical force",
+        False,
+    ),
     (lambda: of_file("missile"), "the damped missile", False),
     (beck, "Beck's column beyond its critical force", False),
     (lambda: of_file("ivp_beam"), "problem Beam of the Test Set for IVP Solvers", False),
     (falling_chain, "chaotic: errors grow until nothing is left", False),
-    (lambda: damped(50, 5.0, 10.0), "strong internal damping: stiff", True),
-    (lambda: damped(200, 5.0, 10.0), "strong internal damping: stiff, many links", False),
-    (lambda: damped(1000, 5.0, 1.0), "strong internal damping: stiff, very many links", False),
+    (lambda: damped_rod(50, 5.0, 10.0), "strong internal damping: stiff", True),
+    (lambda: damped_rod(200, 5.0, 10.0), "strong internal damping: stiff, many links", False),
+    (lambda: damped_rod(1000, 5.0, 1.0), "strong internal damping: stiff, very many links", False),
 )
 
 

@@ -1,4 +1,4 @@
-"""What was measured, by section: its rows, frames of them, and what failed or was left out."""
+"""Contents of a report by section: rows, frames of them, and what failed or was left out."""
 
 from __future__ import annotations
 
@@ -55,15 +55,15 @@ def records(made: DataFrame) -> list[Measurement]:
     return rows
 
 
-def trusted(contents: Contents, scene: str, measure: str = "error_phi") -> float:
-    """The reference's own estimate: smaller errors mean nothing. 0 where there is none."""
+def reference_error(contents: Contents, scene: str, measure: str = "error_phi") -> float:
+    """Error estimate of the reference: smaller errors mean nothing. 0 where there is none."""
     known = frame(filter(has_result, of(contents, "references", scene=scene)))
     key = measure.replace("error_", "estimate_")
     found = known[key].astype(float).max() if key in known else 0.0
     return float(found) if found < float("inf") else 0.0
 
 
-def judged(contents: Contents, scene: str) -> bool:
+def may_have_reference(contents: Contents, scene: str) -> bool:
     """Whether a scene has a reference solution, or is not known to have none."""
     rows = of(contents, "references", scene=scene)
     return not rows or any(map(has_result, rows))
@@ -78,7 +78,7 @@ def failures(contents: Contents) -> DataFrame:
         for line in (
             (section, "", one.name, one.failed),
             *(
-                (section, read_text(r, "scene"), _named(r), read_text(r, "failed"))
+                (section, read_text(r, "scene"), _row_name(r), read_text(r, "failed"))
                 for r in one.rows
             ),
         )
@@ -90,23 +90,23 @@ def failures(contents: Contents) -> DataFrame:
 
 
 def kind_of(failed: str) -> str:
-    """Of a reason: what was left out or cut short by the report itself is no failure."""
+    """Kind of a reason: what was left out or cut short by the report itself is no failure."""
     return next((kind for kind, start in KINDS.items() if re.match(start, failed)), FAILED)
 
 
 def failed_of(contents: Contents, scene: str) -> DataFrame:
-    """What failed of a scene: rows, and units that have its name in theirs."""
+    """Failures of a scene: rows, and units that have its name in theirs."""
     lines, its = failures(contents), rf"(?:^|-){re.escape(scene)}(?:-|$)"
     unit = (lines["scene"] == "") & lines["what"].astype(str).str.contains(its)
     return lines[(lines["scene"] == scene) | unit]
 
 
-def case_named(row: Measurement) -> str:
-    """An extreme case and who was tried on it."""
+def case_name(row: Measurement) -> str:
+    """Name an extreme case and who was tried on it."""
     return ", ".join(filter(None, (read_text(row, key) for key in ("group", "case", "label"))))
 
 
-def _named(row: Measurement) -> str:
+def _row_name(row: Measurement) -> str:
     keys = ("scene", "group", "case", "what", "variant", "form", "damping")
     start = [read_text(row, key) for key in keys if row.get(key)]
     start += [f"n = {row['n']}"] if row.get("n") is not None else []

@@ -70,7 +70,7 @@ class Runner:
         return [found[name] for name in names]
 
     def held(self, units: Iterable[Unit]) -> list[Measured]:
-        """What the folder has of these, where it is resumed from; nothing is measured."""
+        """Read what the folder that is resumed from has of these units; measure nothing."""
         known = (self._known(unit) for unit in units)
         return [one for one in known if one is not None]
 
@@ -139,7 +139,7 @@ def _kill(process: subprocess.Popen[str]) -> None:
 
 
 def _crash(status: int, errors: str) -> str:
-    """How a process ended that said nothing of its own."""
+    """Describe how a process ended that said nothing of its own."""
     last = " ".join(errors.split())[-TAIL:]
     how = f"signal {signal.Signals(-status).name}" if status < 0 else f"exit status {status}"
     return f"crashed with {how}{f': {last}' if last else ''}"

@@ -1,4 +1,4 @@
-"""What measurements depend on besides what is measured: versions, sources, processor, compiler."""
+"""Surroundings on which measurements depend: versions, sources, processor, compiler."""
 
 from __future__ import annotations
 
@@ -45,7 +45,7 @@ def machine() -> dict[str, str]:
 
 
 def flags() -> str:
-    """What the C target is compiled with, if the compiler takes it."""
+    """Flags of the C target, as far as the compiler takes them."""
     return " ".join(c_library.flag_choices(c_library.processor_features())[0])
 
 
@@ -57,7 +57,7 @@ def _cores() -> int:
 
 @lru_cache(maxsize=1)
 def compiler() -> str:
-    """What the compiler of the C target says of itself."""
+    """Version that the compiler of the C target prints."""
     try:
         command = c_library.compiler_command()
         said = subprocess.run(
@@ -92,7 +92,7 @@ def sources(*packages: str) -> str:
 
 
 def fingerprint() -> list[str]:
-    """On what every measurement depends: what is measured, and on what."""
+    """List what every measurement depends on: what is measured, and on what."""
     known = {**versions(), **machine()}
     return [
         *(f"{name} {value}" for name, value in sorted(known.items())),

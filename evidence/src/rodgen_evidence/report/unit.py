@@ -35,7 +35,7 @@ class Unit:
     limit: float = 120.0
 
     def fingerprint(self, surroundings: Sequence[str]) -> str:
-        """What the rows follow from: the call but for its folder, its sources, surroundings."""
+        """Hash of the call but for its folder, of its sources and surroundings."""
         package = self.function.partition(":")[0].rpartition(".")[0]
         own = sources(package, "rodgen_evidence.report.peers") if package else ""
         given = {name: value for name, value in self.arguments.items() if name != "folder"}
@@ -51,7 +51,7 @@ class Unit:
 
 @dataclass(frozen=True)
 class Measured:
-    """What a unit came to; failed: why there are no rows, or only those before it failed."""
+    """Result of a unit; failed: why there are no rows, or only those before it failed."""
 
     section: str
     name: str
@@ -61,12 +61,12 @@ class Measured:
     failed: str = ""
 
     def dump(self) -> str:
-        """As text of a file."""
+        """Return the text of a file."""
         return json.dumps(asdict(self), indent=0) + "\n"
 
     @classmethod
     def parse(cls, text: str) -> Measured:
-        """From the text of a file. Raises ValueError, TypeError where it is none."""
+        """Read the text of a file. Raises ValueError, TypeError where it is none."""
         return cls(**json.loads(text))
 
 

@@ -10,10 +10,10 @@ from rodgen.analyse.modes import natural_modes
 from rodgen.analyse.references import continuum, follower_columns
 from rodgen.analyse.references.elastica import own_weight
 from rodgen.analyse.statics import static_equilibrium
-from rodgen_evidence.tables import Column
+from rodgen_evidence.page_tables import Column
 from rodgen_evidence.thesis import scenes
-from rodgen_evidence.thesis.statics import GRAVITY, cantilever
-from rodgen_evidence.thesis.table import Note, Table, column, percent
+from rodgen_evidence.thesis.static_deflection import GRAVITY, cantilever
+from rodgen_evidence.thesis.table import Remark, ThesisTable, column, percent
 
 LINKS = (5, 10, 20, 40, 80)
 # With the exponents of 1/n that their errors have: all, or by the symmetry of their rule every
@@ -61,8 +61,8 @@ def exact() -> dict[str, float]:
     }
 
 
-def table_clamp(links: tuple[int, ...] = LINKS) -> Table:
-    """Both clamps side by side."""
+def table_clamp(links: tuple[int, ...] = LINKS) -> ThesisTable:
+    """Table of both clamps side by side."""
     truth = exact()
     found = {boundary: [values(boundary, n) for n in links] for boundary in BOUNDARIES}
     rows = DataFrame(
@@ -72,7 +72,7 @@ def table_clamp(links: tuple[int, ...] = LINKS) -> Table:
             for boundary in BOUNDARIES
         ]
     )
-    table = Table("clamp", "Two clamps", columns_of(links), rows)
+    table = ThesisTable("clamp", "Two clamps", columns_of(links), rows)
     table.conditions = ["L = 5 m, EI = 100 N m^2; g = 9.81 m/s^2 and m = 50 g for the deflection"]
     linear = continuum.linear_own_weight(
         load=scenes.WEIGHED * GRAVITY / scenes.LENGTH,
@@ -87,7 +87,7 @@ def table_clamp(links: tuple[int, ...] = LINKS) -> Table:
     of_f1 = rows[rows["quantity"] == "f1 [Hz]"].set_index("boundary")
     orders, errors = (of_f1[key][list(BOUNDARIES)] for key in ("order", "error"))
     table.notes = [
-        Note(
+        Remark(
             "shown",
             f"The clamp of the thesis converges with the observed order {orders.iloc[0]:.2f}, the "
             f"root spring of stiffness 2 EI n/L with {orders.iloc[1]:.2f}; with as many links its "

@@ -1,4 +1,4 @@
-"""What is printed: the tables of chapters 3 and 4, with their units and stated conditions.
+"""Printed tables of chapters 3 and 4 of the thesis, with their units and stated conditions.
 
 Numbers are kept as text, as they are printed, since the last digit says how far they are rounded.
 """
@@ -8,8 +8,8 @@ from __future__ import annotations
 from pandas import DataFrame
 
 
-def _printed(keys: str, lines: str) -> DataFrame:
-    """A row a line; numbers of links and of modes are counts."""
+def _parse_table(keys: str, lines: str) -> DataFrame:
+    """Parse a table of a row a line; numbers of links and of modes are counts."""
     names = keys.split()
     table = DataFrame([line.split() for line in lines.strip().splitlines()], columns=names)
     return table.astype({name: int for name in names if name in ("links", "mode")})
@@ -18,7 +18,7 @@ def _printed(keys: str, lines: str) -> DataFrame:
 # 3.1: L = 2 m, A = 0.001 m^2, I = 8.33e-9 m^4, E = 210e9 Pa, m = 15700 g, 40 links, step 8e-4 s,
 # 50 s. Of the free rod only modes that are symmetric about the middle. mode: of that boundary, from
 # 1, rigid motions not counted; frequencies [Hz], deviation [%].
-TABLE_3_1 = _printed(
+TABLE_3_1 = _parse_table(
     "boundary mode analytical simulated percent",
     """
     free 1 13.2876 13.3896 +0.772
@@ -33,7 +33,7 @@ TABLE_3_1 = _printed(
 )
 TABLE_3_1["name"] = "f" + TABLE_3_1["mode"].astype(str) + ", " + TABLE_3_1["boundary"]
 # f1 of the free rod [Hz], run time [s]. Conditions of table 3.1.
-TABLE_3_2 = _printed(
+TABLE_3_2 = _parse_table(
     "links simulated seconds",
     """
     10 12.6271 3.624
@@ -47,7 +47,7 @@ TABLE_3_2 = _printed(
 )
 # 3.2: L = 5 m, EI = 100 N m^2, m = 50 g, 50 links, (3.1) and (3.2) with g = 9.81 m/s^2. Deflection
 # [m] and rotation [rad] of the tip, deviation [%].
-TABLE_3_3 = _printed(
+TABLE_3_3 = _parse_table(
     "name analytical simulated percent",
     """
     deflection 0.0721 0.0735 +1.904
@@ -58,7 +58,7 @@ TABLE_3_3 = _printed(
 # of the free rod [N], deviation from (3.3) [%], run time [s].
 THRUST_COEFFICIENT = "109.54"  # (3.3), of EI/L^2
 THRUST = "438.16"  # (3.3) [N]
-TABLE_3_4 = _printed(
+TABLE_3_4 = _parse_table(
     "links simulated percent seconds",
     """
     5 326.12 -25.571 1.255
@@ -74,7 +74,7 @@ TABLE_3_4 = _printed(
     """,
 )
 # The same by the general mass-spring program, FyDiK.
-TABLE_3_5 = _printed(
+TABLE_3_5 = _parse_table(
     "links simulated percent seconds",
     """
     10 400.73 -8.543 27.666
@@ -87,7 +87,7 @@ TABLE_3_5 = _printed(
 # 3.3.2: the rod of 3.3.1, held; the analytical value, (3.4), is for the length L - L/n. Critical
 # forces [N], deviation [%].
 BECK_COEFFICIENT = "20.05"
-TABLE_3_6 = _printed(
+TABLE_3_6 = _parse_table(
     "links simulated analytical percent",
     """
     5 93.95 125.31 -33.382
@@ -103,7 +103,7 @@ TABLE_3_6 = _printed(
     """,
 )
 # 4.2: neither the rod nor the span nor damping is given. Largest steps [s], run times [s].
-TABLE_4_1 = _printed(
+TABLE_4_1 = _parse_table(
     "links euler semi_implicit_euler thesis_runge_kutta",
     """
     10 0.0002 0.02 0.025
@@ -113,7 +113,7 @@ TABLE_4_1 = _printed(
     50 0.000002 0.0006 0.0007
     """,
 )
-TABLE_4_2 = _printed(
+TABLE_4_2 = _parse_table(
     "links euler semi_implicit_euler thesis_runge_kutta",
     """
     10 18.506 0.694 1.328

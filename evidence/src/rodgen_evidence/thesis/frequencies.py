@@ -14,7 +14,15 @@ from rodgen.analyse.spectrum import Spectrum, spectrum
 from rodgen.integrate import simulate
 from rodgen_evidence.thesis import data, hypotheses, scenes
 from rodgen_evidence.thesis.percentages import base_of
-from rodgen_evidence.thesis.table import LINKS, VERDICT, Note, Table, beside, column, percent
+from rodgen_evidence.thesis.table import (
+    LINKS,
+    VERDICT,
+    Remark,
+    ThesisTable,
+    beside,
+    column,
+    percent,
+)
 
 MANY = 40  # links of table 3.1
 # Bent so little that it is linear: the free rod symmetrically about its middle, as in the thesis.
@@ -65,8 +73,8 @@ def stable_step(links: int) -> float:
 
 
 @lru_cache(maxsize=32)
-def simulated(links: int, boundary: str) -> tuple[Spectrum, float]:
-    """Frequencies as the thesis finds them, and the run time [s] of the simulation."""
+def simulate_spectrum(links: int, boundary: str) -> tuple[Spectrum, float]:
+    """Find frequencies as the thesis does, and the run time [s] of the simulation."""
     scene = scenes.steel_rod(
         links,
         boundary,
@@ -92,7 +100,7 @@ def closest(found: Spectrum, frequency: float) -> float:
     return float(found.frequencies[np.argmin(np.abs(found.frequencies - frequency))])
 
 
-def table_3_1() -> Table:
+def table_3_1() -> ThesisTable:
     """Natural frequencies of the free rod and the cantilever."""
     printed = data.TABLE_3_1
     found = [_of_mode(*at) for at in zip(printed["boundary"], printed["mode"], strict=True)]
@@ -101,8 +109,10 @@ def table_3_1() -> Table:
         thesis_analytical=printed["analytical"].astype(float),
         ours_deviation=lambda rows: percent(rows["simulated"], rows["discrete"]),
     )
-    table = Table("3.1", "Natural frequencies", COLUMNS_3_1, rows, [*CONDITIONS, f"{MANY} links"])
-    peaks = simulated(MANY, "free")[0]
+    table = ThesisTable(
+        "3.1", "Natural frequencies", COLUMNS_3_1, rows, [*CONDITIONS, f"{MANY} links"]
+    )
+    peaks = simulate_spectrum(MANY, "free")[0]
     table.assumed = [
         f"Initial bend of about 0.001 rad, {BENT['free']} of the free rod and "
         f"{BENT['cantilever']} of the cantilever: the thesis does not give its impulse.",
@@ -115,8 +125,8 @@ def table_3_1() -> Table:
     table.notes = [
         *hypotheses.of_frequencies(rows, float(discrete(MANY, "free", "lumped")[0])),
         *hypotheses.of_step(rows, MANY, limit(MANY)),
-        Note("found", base_of("3.1")),
-        Note(
+        Remark("found", base_of("3.1")),
+        Remark(
             "shown",
             "The analytical column, of the length L of the free rod and L - L/n of the cantilever, "
             f"is {off.min():+.4f} to {off.max():+.4f} % from the roots of the characteristic "
@@ -137,19 +147,19 @@ def _of_mode(boundary: str, mode: int) -> dict[str, float]:
     )
     held = boundary != "free"
     return {
-        "simulated": closest(simulated(MANY, boundary)[0], exact),
+        "simulated": closest(simulate_spectrum(MANY, boundary)[0], exact),
         "discrete": exact,
         "continuum": continuum.natural_frequency(boundary, mode, **rod),
         "short": continuum.natural_frequency(boundary, mode, **short) if held else np.nan,
     }
 
 
-def table_3_2() -> Table:
+def table_3_2() -> ThesisTable:
     """Convergence of the first frequency of the free rod."""
     printed = data.TABLE_3_2
     rows = beside(DataFrame(map(_first, printed["links"])), printed["simulated"], "see below")
     rows["links"], rows["thesis_seconds"] = printed["links"], printed["seconds"].astype(float)
-    table = Table("3.2", "First frequency of the free rod", COLUMNS_3_2, rows, [*CONDITIONS])
+    table = ThesisTable("3.2", "First frequency of the free rod", COLUMNS_3_2, rows, [*CONDITIONS])
     table.assumed = [
         "As in table 3.1, with the largest whole fraction of 8e-4 s that is stable at each n. Run "
         "time: the simulation alone, FFT not counted, on one core."
@@ -160,7 +170,7 @@ def table_3_2() -> Table:
 
 def _first(links: int) -> dict[str, float]:
     exact = float(discrete(links, "free")[0])
-    found, seconds = simulated(links, "free")
+    found, seconds = simulate_spectrum(links, "free")
     return {
         "simulated": closest(found, exact),
         "discrete": exact,

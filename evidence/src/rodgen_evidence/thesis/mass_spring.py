@@ -36,7 +36,7 @@ class MassSpring:
 
     @cached_property
     def masses(self) -> Array:
-        """Of the points [kg], (n+1,)."""
+        """Masses of the points [kg], (n+1,)."""
         masses = np.full(self.links + 1, self.mass / self.links)
         masses[[0, -1]] /= 2
         return masses
@@ -57,7 +57,7 @@ class MassSpring:
         return np.stack((x, np.zeros_like(x)), -1)
 
     def forces(self, r: Array, force: float | Array) -> Array:
-        """On the points [N], (..., n+1, 2), at positions r; force: thrust [N], (...)."""
+        """Forces on the points [N], (..., n+1, 2), at positions r; force: thrust [N], (...)."""
         d = r[..., 1:, :] - r[..., :-1, :]
         dx, dy = d[..., 0], d[..., 1]
         lengths = np.hypot(dx, dy)
@@ -82,7 +82,7 @@ class MassSpring:
         return total
 
     def accelerations(self, r: Array, force: float | Array) -> Array:
-        """Of the points [m/s^2], (..., n+1, 2)."""
+        """Accelerations of the points [m/s^2], (..., n+1, 2)."""
         return self.forces(r, force) / self.masses[:, None]
 
     def across(self, force: float) -> Array:
@@ -179,7 +179,7 @@ def grow(model: MassSpring, forces: Array, span: float) -> Growth:
 
 
 def _bent(r: Array) -> Array:
-    """How far the points lie from the straight line through them [m], (...): root mean square.
+    """Distance of the points from the straight line through them [m], (...): root mean square.
 
     A rod that turns as a whole has not lost its shape; one that flutters has.
     """

@@ -9,11 +9,11 @@ from scipy.optimize import brentq
 from rodgen.analyse.critical import critical_load
 from rodgen.analyse.extrapolation import richardson
 from rodgen_evidence.thesis import data, scenes
-from rodgen_evidence.thesis.critical import continuum_load, growth
+from rodgen_evidence.thesis.critical_forces import continuum_load, growth
 from rodgen_evidence.thesis.mass_spring import MassSpring, grow, simulated_critical_load
 from rodgen_evidence.thesis.percentages import base_of
-from rodgen_evidence.thesis.table import LINKS, VERDICT, Note, Table, beside, column
-from rodgen_evidence.thesis.timing import STEPS, largest_step, special_seconds, times
+from rodgen_evidence.thesis.special_times import STEPS, largest_step, special_seconds, times
+from rodgen_evidence.thesis.table import LINKS, VERDICT, Remark, ThesisTable, beside, column
 
 SIMULATED = (10, 20)  # links of which the critical force is simulated as well
 SPAN, FACTOR = 20.0, 30.0  # s, of growth
@@ -46,14 +46,14 @@ def rod(links: int, axial_stiffness: float = scenes.AXIAL_STIFFNESS) -> MassSpri
     return MassSpring(links, **scenes.LONG, axial_stiffness=axial_stiffness)
 
 
-def table_3_5() -> Table:
+def table_3_5() -> ThesisTable:
     """Rebuilt: eigenvalues, simulations of few links, run times."""
     printed = data.TABLE_3_5
     pairs = zip(printed["links"], printed["simulated"].astype(float), strict=True)
     rows = DataFrame([_row(links, force) for links, force in pairs])
     rows = beside(rows, printed["simulated"], "the data of the program are not given, see below")
     rows["links"], rows["thesis_seconds"] = printed["links"], printed["seconds"].astype(float)
-    table = Table("3.5", "Critical force by a general mass-spring program", COLUMNS, rows)
+    table = ThesisTable("3.5", "Critical force by a general mass-spring program", COLUMNS, rows)
     table.conditions = ["L = 5 m, EI = 100 N m^2, 200 s simulated, by FyDiK"]
     table.assumed = [
         f"m = {scenes.MASS:g} kg, m/n at inner points and m/2n at both ends, no damping.",
@@ -63,10 +63,10 @@ def table_3_5() -> Table:
         f"Run times: of one rod at one force, on one core, multiplied to {scenes.WATCHED:g} s of "
         f"motion: the mass-spring model was measured over {TIMED:g} s, multiplied "
         f"{times([scenes.WATCHED / TIMED])}; the special model over {STEPS['numpy']} steps in "
-        f"NumPy, {times(_multiplied(rows, 'numpy'))}, and {STEPS['c']} steps in C, "
-        f"{times(_multiplied(rows, 'c'))}.",
+        f"NumPy, {times(_time_factors(rows, 'numpy'))}, and {STEPS['c']} steps in C, "
+        f"{times(_time_factors(rows, 'c'))}.",
     ]
-    table.notes = [*_notes(rows), Note("found", base_of("3.5"))]
+    table.notes = [*_notes(rows), Remark("found", base_of("3.5"))]
     return table
 
 
@@ -90,8 +90,8 @@ def _row(n: int, force: float) -> dict[str, float]:
     }
 
 
-def _multiplied(rows: DataFrame, target: str) -> list[float]:
-    """How many times longer than what was measured the runs are whose times are given."""
+def _time_factors(rows: DataFrame, target: str) -> list[float]:
+    """Lengths of the runs whose times are given, over those that were measured."""
     return [scenes.WATCHED / (largest_step(links) * STEPS[target]) for links in rows["links"]]
 
 
@@ -108,7 +108,7 @@ def fitted_stiffness(links: int, force: float) -> float:
 
 
 def compliance(links: int) -> tuple[float, float, float]:
-    """How the model meets rigid links as EA grows: the deviation from them [N] at the assumed EA,
+    """Approach of the model to rigid links as EA grows: deviation from them [N] at the assumed EA,
     the observed order in 1/EA, and what remains of the deviation in the limit [N]."""
     lumped = critical_load(scenes.thrust(links, inertia="lumped")).value
     softer = [rod(links, scenes.AXIAL_STIFFNESS / 100 * k).critical_load() for k in STIFFER]
@@ -117,7 +117,7 @@ def compliance(links: int) -> tuple[float, float, float]:
     return at_assumed, limit.orders[-1], limit.value - lumped
 
 
-def _notes(rows: DataFrame) -> list[Note]:
+def _notes(rows: DataFrame) -> list[Remark]:
     links = rows["links"]
     off, order, rest = compliance(links[0])
     above, rates, fits = rows["deviation"], rows["growth"], rows["fitted"]
@@ -125,40 +125,40 @@ def _notes(rows: DataFrame) -> list[Note]:
     special = data.TABLE_3_4.set_index("links")["seconds"].astype(float)
     printed = rows["thesis_seconds"] / links.map(special)
     return [
-        Note(
+        Remark(
             "shown",
             f"The two models agree: with n = {links[0]}, points on springs are {off:+.2g} N from "
             f"lumped rigid links; the difference vanishes with the order {order:.3f} in 1/EA, to "
             f"{rest:+.1g} N in the limit. They share no equation.",
         ),
-        Note(
+        Remark(
             "shown",
             f"FyDiK's values are {above.min():.2f} to {above.max():.2f} % above those of lumped "
             "links: one factor and the convergence of lumped mass explain the column, which is "
             "why it crosses that of the special model. Where the factor comes from is open:",
         ),
-        Note(
+        Remark(
             "consistent",
             f"(a) Soft axial springs: EA between {fits.min():.3g} and {fits.max():.3g} N, some "
             f"{scenes.AXIAL_STIFFNESS / fits.max():.0f} times softer than the steel "
             "section, would raise the critical force so far (the compressed rod is shorter), and "
             "allow longer steps.",
         ),
-        Note(
+        Remark(
             "consistent",
             "(b) Damping or late detection: at the printed forces flutter grows at "
             f"{rates.min():.3f} to {rates.max():.3f} 1/s with {scenes.MASS:g} kg; a damping of "
             "twice that rate on every mass would just hold it.",
         ),
-        Note(
+        Remark(
             "estimated",
             "Why a special model: the axial springs are the fastest part of the general one, and "
             f"its steps are shorter for them: {ratios} times the run time of the special "
             f"model, both in NumPy (n = {', '.join(map(str, links))}), each from "
             f"a time that was multiplied, {times([scenes.WATCHED / TIMED])} and "
-            f"{times(_multiplied(rows, 'numpy'))}: a step costs the same at any time.",
+            f"{times(_time_factors(rows, 'numpy'))}: a step costs the same at any time.",
         ),
-        Note(
+        Remark(
             "shown",
             "The printed run times of FyDiK are those of table 3.4 times "
             f"{printed.min():.3f} to {printed.max():.3f}, for every n: two programs measured one "

@@ -1,4 +1,4 @@
-"""What section 5.1 of the thesis leaves to do, answered with the rod of its section 3.3."""
+"""Open questions of section 5.1 of the thesis, answered with the rod of its section 3.3."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from rodgen.analyse.references import continuum
 from rodgen.scene import Scene
 from rodgen.system import ParameterRange, System
 from rodgen_evidence.thesis import scenes
-from rodgen_evidence.thesis.table import Note, Table, column, percent
+from rodgen_evidence.thesis.table import Remark, ThesisTable, column, percent
 
 COLUMNS = (
     column("question", "asked in 5.1"),
@@ -43,7 +43,7 @@ SWING = "amplitude of the angles"
 KEY, ENDS = "loads.follower.force", (20.0, 100.0)
 
 
-class Row(NamedTuple):
+class OutlookRow(NamedTuple):
     """A row of the table; value: of the quantity, in the unit that it names."""
 
     question: str
@@ -52,8 +52,8 @@ class Row(NamedTuple):
     value: float
 
 
-def pushed(force: float, external: float = 0.0) -> Scene:
-    """The cantilever under so much thrust [N], with both dampings of the thesis."""
+def cantilever(force: float, external: float = 0.0) -> Scene:
+    """Cantilever under thrust [N], with both dampings of the thesis."""
     loads: dict[str, Any] = {
         "follower": {"force": force},
         "internal_damping": {"coefficient": INTERNAL},
@@ -82,7 +82,7 @@ def shape(boundary: str, k: int, s: np.ndarray) -> np.ndarray:
     return np.asarray(w / np.abs(w).max())
 
 
-def bending() -> Iterator[Row]:
+def bending() -> Iterator[OutlookRow]:
     """Frequencies and shapes of the first three modes beside the continuum."""
     places = np.linspace(0, 1, FINE + 1)
     for boundary in ("free", "clamped"):
@@ -92,48 +92,52 @@ def bending() -> Iterator[Row]:
             if boundary == "free":
                 exact = float(continuum.natural_frequency(boundary, k, **scenes.LONG))
                 off = float(percent(modes.frequencies[k - 1], exact))
-                yield Row(FREQUENCIES, rod, f"f{k}, off the continuum [%]", off)
+                yield OutlookRow(FREQUENCIES, rod, f"f{k}, off the continuum [%]", off)
             across = np.real(modes.displacements[k - 1][:, 1])
             w = shape(boundary, k, places)
             across = across * np.sign(across @ w) / np.abs(across).max()
             far = float(np.abs(across - w).max())
-            yield Row(SHAPES, rod, f"mode {k}: farthest off the continuum, of its largest", far)
+            yield OutlookRow(
+                SHAPES, rod, f"mode {k}: farthest off the continuum, of its largest", far
+            )
 
 
-def beyond() -> Iterator[Row]:
-    """Where and how cycles begin, how far they swing, and where they are lost."""
-    scene, rod = pushed(FORCE), f"cantilever, {LINKS} links, c_int = {INTERNAL:g}"
+def beyond() -> Iterator[OutlookRow]:
+    """Yield where and how cycles begin, how far they swing, and where they are lost."""
+    scene, rod = cantilever(FORCE), f"cantilever, {LINKS} links, c_int = {INTERNAL:g}"
     search = CycleSearch.of(System(scene))
     hopf, _ = first_hopf(search, ParameterRange(search.system, KEY, ENDS))
-    yield Row(AFTER, rod, BEGIN, hopf.value)
+    yield OutlookRow(AFTER, rod, BEGIN, hopf.value)
     kind = "first Lyapunov coefficient (below 0: supercritical)"
-    yield Row(AFTER, rod, kind, hopf.lyapunov)
+    yield OutlookRow(AFTER, rod, kind, hopf.lyapunov)
     for force in (FORCE, FAR):
-        yield from _cycle(AFTER, rod, force, find_cycle(pushed(force)))
+        yield from _cycle(AFTER, rod, force, find_cycle(cantilever(force)))
     for force in (FAR, CHAOTIC):
-        found = lyapunov_exponents(pushed(force), count=1)
-        yield Row(AFTER, rod, f"first exponent at {force:g} N [1/s]", float(found.exponents[0]))
-        yield Row(AFTER, rod, f"its error at {force:g} N [1/s]", float(found.errors[0]))
+        found = lyapunov_exponents(cantilever(force), count=1)
+        yield OutlookRow(
+            AFTER, rod, f"first exponent at {force:g} N [1/s]", float(found.exponents[0])
+        )
+        yield OutlookRow(AFTER, rod, f"its error at {force:g} N [1/s]", float(found.errors[0]))
 
 
-def damped() -> Iterator[Row]:
-    """How far the cycles swing with more and more external damping."""
+def cycles_by_damping() -> Iterator[OutlookRow]:
+    """Yield how far the cycles swing with more and more external damping."""
     for external in EXTERNAL:
         rod = f"cantilever, {LINKS} links, c_int = {INTERNAL:g}, c_ext = {external:g}"
-        scene = pushed(FORCE, external)
-        yield Row(MEDIUM, rod, ONSET, critical_load(scene).value)
+        scene = cantilever(FORCE, external)
+        yield OutlookRow(MEDIUM, rod, ONSET, critical_load(scene).value)
         yield from _cycle(MEDIUM, rod, FORCE, find_cycle(scene))
 
 
-def _cycle(question: str, rod: str, force: float, cycle: Cycle) -> Iterator[Row]:
-    yield Row(question, rod, f"{SWING} at {force:g} N [rad]", cycle.amplitude)
-    yield Row(question, rod, f"period at {force:g} N [s]", cycle.period)
+def _cycle(question: str, rod: str, force: float, cycle: Cycle) -> Iterator[OutlookRow]:
+    yield OutlookRow(question, rod, f"{SWING} at {force:g} N [rad]", cycle.amplitude)
+    yield OutlookRow(question, rod, f"period at {force:g} N [s]", cycle.period)
 
 
-def table_outlook() -> Table:
+def table_outlook() -> ThesisTable:
     """The questions and what was found."""
-    rows = DataFrame([*bending(), *beyond(), *damped()])
-    table = Table("outlook", "What section 5.1 leaves to do", COLUMNS, rows)
+    rows = DataFrame([*bending(), *beyond(), *cycles_by_damping()])
+    table = ThesisTable("outlook", "What section 5.1 leaves to do", COLUMNS, rows)
     table.conditions = ["L = 5 m, EI = 100 N m^2"]
     table.assumed = [
         f"m = {scenes.MASS:g} kg; c_int in m^2/s, c_ext in 1/s. Motions begin at phi = 0.1 s.",
@@ -147,20 +151,20 @@ def table_outlook() -> Table:
         for words in (ONSET, SWING)
     )
     table.notes = [
-        Note(
+        Remark(
             "shown",
             f"Beyond {value[BEGIN]:.2f} N the cantilever swings in a limit cycle that begins "
             f"softly. At {CHAOTIC:g} N it never comes back to itself: small errors grow, the "
             "motion is chaotic.",
         ),
-        Note(
+        Remark(
             "shown",
             f"External damping from none to {EXTERNAL[-1]:g} 1/s moves the onset of flutter from "
             f"{onsets[0]:.2f} to {onsets[-1]:.2f} N, and shrinks the swing at {FORCE:g} N from "
             f"{swings[0]:.2f} to {swings[-1]:.2f} rad. The least of it moves the onset most: with "
             f"{EXTERNAL[1]:g} 1/s it is {onsets[1]:.2f} N.",
         ),
-        Note(
+        Remark(
             "found",
             "Branches of cycles, their bifurcations and the free rod's choice between swinging "
             "and tumbling stand in docs/limit-cycles.md, chaos in docs/chaos.md, runs in parallel "

@@ -57,7 +57,7 @@ def beck(links: float) -> float:
 
 
 def base_of(table: str) -> str:
-    """What to say of a table's deviations, in a sentence."""
+    """Describe from which base a table's deviations follow, in a sentence."""
     rows = [row for row in percentages() if row.table == table]
     wrong = [row for row in rows if not row.right]
     if not wrong:

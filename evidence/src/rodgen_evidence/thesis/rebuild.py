@@ -12,17 +12,17 @@ from concurrent.futures import ProcessPoolExecutor, as_completed
 
 from rodgen.errors import DoubtWarning
 from rodgen_evidence.thesis.clamp import table_clamp
-from rodgen_evidence.thesis.critical import table_3_4, table_3_6
+from rodgen_evidence.thesis.critical_forces import table_3_4, table_3_6
 from rodgen_evidence.thesis.frequencies import table_3_1, table_3_2
+from rodgen_evidence.thesis.largest_steps import table_4_1
 from rodgen_evidence.thesis.mass_spring_table import table_3_5
-from rodgen_evidence.thesis.methods import table_4_1
 from rodgen_evidence.thesis.outlook import table_outlook
 from rodgen_evidence.thesis.run_times import table_4_2
-from rodgen_evidence.thesis.statics import table_3_3
-from rodgen_evidence.thesis.table import Table
+from rodgen_evidence.thesis.static_deflection import table_3_3
+from rodgen_evidence.thesis.table import ThesisTable
 
 # What takes longest first; what needs the modules of another table after it.
-TABLES: dict[str, Callable[[], Table]] = {
+TABLES: dict[str, Callable[[], ThesisTable]] = {
     "3.4": table_3_4,
     "3.6": table_3_6,
     "4.1": table_4_1,
@@ -37,9 +37,9 @@ TABLES: dict[str, Callable[[], Table]] = {
 AT_ONCE = 2  # more would disturb the run times that are measured
 
 
-def rebuild(done: Callable[[str], None] = lambda _: None) -> list[Table]:
+def rebuild(done: Callable[[str], None] = lambda _: None) -> list[ThesisTable]:
     """Every table, with the time that it took; done: told the number of each that is there."""
-    made: dict[str, Table] = {}
+    made: dict[str, ThesisTable] = {}
     # Started anew, not forked: this process has threads.
     context = multiprocessing.get_context("spawn")
     at_once = min(AT_ONCE, os.cpu_count() or 1)
@@ -57,7 +57,7 @@ def rebuild(done: Callable[[str], None] = lambda _: None) -> list[Table]:
     return [made[number] for number in sorted(TABLES)]
 
 
-def _make(number: str) -> Table:
+def _make(number: str) -> ThesisTable:
     begin = time.perf_counter()
     table = TABLES[number]()
     table.seconds = time.perf_counter() - begin

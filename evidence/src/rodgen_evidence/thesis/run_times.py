@@ -5,9 +5,9 @@ from __future__ import annotations
 from pandas import DataFrame, Series
 
 from rodgen_evidence.thesis import data, scenes
-from rodgen_evidence.thesis.methods import DAMPING, NAMES, theory
-from rodgen_evidence.thesis.table import INCOMPARABLE, LINKS, VERDICT, Note, Table, column
-from rodgen_evidence.thesis.timing import STEPS, special_seconds, times
+from rodgen_evidence.thesis.largest_steps import DAMPING, NAMES, theory
+from rodgen_evidence.thesis.special_times import STEPS, special_seconds, times
+from rodgen_evidence.thesis.table import INCOMPARABLE, LINKS, VERDICT, Remark, ThesisTable, column
 
 COLUMNS = (
     LINKS,
@@ -22,7 +22,7 @@ COLUMNS = (
 )
 
 
-def table_4_2() -> Table:
+def table_4_2() -> ThesisTable:
     """Run times at the largest steps."""
     rows = data.by_method(data.TABLE_4_2)
     rows["thesis"] = rows["printed"].astype(float)
@@ -34,13 +34,13 @@ def table_4_2() -> Table:
         ]
     rows["gain"] = rows["thesis"] / rows["c"]
     rows["verdict"] = f"{INCOMPARABLE}: span and machine not given"
-    table = Table("4.2", "Run time at the largest stable step", COLUMNS, rows)
+    table = ThesisTable("4.2", "Run time at the largest stable step", COLUMNS, rows)
     table.conditions = ["none: the simulated span is not given; Java, on a machine not given"]
     table.assumed = [
         "200 s, the span of 3.3, by the thesis's steps of table 4.1.",
         "Ours: the rod of table 4.1 with a hundredth of the bend of its start; the time of a step "
         "is measured and multiplied by the number of the thesis's steps: "
-        + " and ".join(_multiplied(rows, target) for target in STEPS)
+        + " and ".join(_describe_factors(rows, target) for target in STEPS)
         + ".",
     ]
     table.notes = notes(rows)
@@ -49,15 +49,15 @@ def table_4_2() -> Table:
 
 
 def _seconds(links: int, method: str, step: float, target: str) -> float:
-    """Of 200 s by these steps [s]: what a step costs, which does not depend on it, is measured at
-    half of the stable one."""
+    """Run time [s] of 200 s by these steps [s]: the time of a step, which does not depend on it, is
+    measured at half of the stable one."""
     stable = 0.5 * theory(links, method, DAMPING)
     taken = special_seconds(links, method, target, stable, DAMPING)
     return taken * stable / step * scenes.WATCHED
 
 
-def notes(rows: DataFrame) -> list[Note]:
-    """What a step costs, and which method costs least."""
+def notes(rows: DataFrame) -> list[Remark]:
+    """Remarks on the time of a step, and on which method takes least."""
     counts = ", ".join(map(str, rows["links"].unique()))
     cost = _over(rows, "cost")
     fours, ones = (
@@ -71,7 +71,7 @@ def notes(rows: DataFrame) -> list[Note]:
         every = len(here) == len(others)
         least[key] = "every n" if every else f"n = {', '.join(map(str, here)) or 'none'}"
     return [
-        Note(
+        Remark(
             "shown",
             "The table does not go with table 4.1 and one span. A step of the Runge-Kutta method "
             "solves the system four times, one of the Euler methods once; with the printed steps "
@@ -79,7 +79,7 @@ def notes(rows: DataFrame) -> list[Note]:
             f"of 4, and a step of Euler's method {ones} times instead of 1. Other spans or other "
             "steps than the printed ones must have been used.",
         ),
-        Note(
+        Remark(
             "estimated",
             "At the thesis's largest steps the semi-implicit Euler method costs least at "
             f"{least['thesis']} in the thesis and at {least['c']} in ours. Euler's method costs "
@@ -100,8 +100,8 @@ def _words(ratios: Series[float]) -> str:
     return ", ".join(f"{ratio:.2g}" if ratio < 10 else f"{ratio:.0f}" for ratio in ratios)
 
 
-def _multiplied(rows: DataFrame, target: str) -> str:
-    """Over how many steps a target was timed, and how many times more the runs have."""
+def _describe_factors(rows: DataFrame, target: str) -> str:
+    """Describe over how many steps a target was timed, and how many times more the runs have."""
     name = {"c": "C", "numpy": "NumPy"}[target]
     factors = scenes.WATCHED / rows["step"] / STEPS[target]
     return f"{STEPS[target]} steps in {name}, multiplied {times(factors)}"

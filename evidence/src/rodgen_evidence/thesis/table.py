@@ -10,7 +10,7 @@ from typing import Any, NamedTuple
 
 from pandas import DataFrame, Series
 
-from rodgen_evidence.tables import Column, as_in
+from rodgen_evidence.page_tables import Column, as_in
 from rodgen_evidence.thesis.data import digits, unit
 
 INCOMPARABLE = "not comparable"  # how the verdict on a row begins whose conditions are not known
@@ -25,7 +25,7 @@ def column(key: str, title: str, unit: str = "", spec: str = "") -> Column:
 LINKS, VERDICT = column("links", "links"), column("verdict", "verdict")
 
 
-class Note(NamedTuple):
+class Remark(NamedTuple):
     """status: shown, estimated (from run times measured over less and multiplied), refuted,
     consistent (fits, other reasons fit as well), open, or found."""
 
@@ -34,7 +34,7 @@ class Note(NamedTuple):
 
 
 @dataclass
-class Table:
+class ThesisTable:
     """number: of the thesis, or a name; conditions: as printed; assumed: where it is silent."""
 
     number: str
@@ -43,7 +43,7 @@ class Table:
     rows: DataFrame
     conditions: list[str] = field(default_factory=list)
     assumed: list[str] = field(default_factory=list)
-    notes: list[Note] = field(default_factory=list)
+    notes: list[Remark] = field(default_factory=list)
     seconds: float = 0.0
     curve: list[tuple[float, float]] = field(default_factory=list)  # x, y [m] of a figure
 
@@ -60,8 +60,8 @@ def percent(value: Any, base: Any) -> Any:
     return 100 * (value - base) / base
 
 
-def agreed(printed: str, value: float) -> int:
-    """Leading significant digits of a printed number that a value confirms: to k digits, both
+def matching_digits(printed: str, value: float) -> int:
+    """Number of leading digits of a printed number that a value confirms: to k digits, both
     differ by no more than half a unit of the k-th, its own rounding allowed for."""
     number = float(printed)
     if not math.isfinite(value) or number * value <= 0:
@@ -82,7 +82,7 @@ def verdict(printed: str, value: float, reason: str = "") -> str:
     how much it is off, and for what reason."""
     if not math.isfinite(value):
         return "nothing to compare with"
-    count, off = agreed(printed, value), percent(float(printed), value)
+    count, off = matching_digits(printed, value), percent(float(printed), value)
     if count == digits(printed):
         return f"reproduced to all {count} digits"
     agree = f"{count or 'none'} of {digits(printed)} digits"
@@ -90,7 +90,7 @@ def verdict(printed: str, value: float, reason: str = "") -> str:
 
 
 def by_size(deviations: Iterable[float]) -> str:
-    """How many deviations [%] are how large, in decades; nothing for none."""
+    """Describe how many deviations [%] are how large, in decades; nothing for none."""
     names = [*(f"up to {size:g} %" for size in SIZES), f"above {SIZES[-1]:g} %"]
     places = [bisect_left(SIZES, abs(x)) for x in deviations]
     return ", ".join(f"{places.count(k)} {name}" for k, name in enumerate(names) if k in places)

@@ -1,4 +1,4 @@
-"""What methods cost at equal error, in one scene: time over that of the best method."""
+"""Costs of methods at equal error, in one scene: time over that of the best method."""
 
 from __future__ import annotations
 

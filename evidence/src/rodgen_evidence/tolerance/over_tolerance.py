@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import Any, NamedTuple
 
-from rodgen_evidence.tolerance.measure.error_kinds import tolerated
+from rodgen_evidence.tolerance.measure.error_kinds import tolerated_error
 
 Record = dict[str, Any]
 
@@ -42,7 +42,7 @@ def over_tolerance(record: Record) -> Iterator[Over]:
     allowed = max(LEAST, GROWTHS * reference["growth"])
     for row in record["runs"]:
         for kind, (samples, end) in (row["errors"] or {}).items():
-            asked = tolerated(reference["size"][kind], row["rtol"])
+            asked = tolerated_error(reference["size"][kind], row["rtol"])
             if FINER * reference["errors"][kind][0] > asked:
                 continue
             own = row["method"], row["rtol"], kind, samples / asked, end / asked

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from rodgen.loading.cache import source_hash
-from rodgen_evidence.tolerance.measure.scene_record import measured
+from rodgen_evidence.tolerance.measure.scene_record import measure_scene
 
 FILE = "tolerance.jsonl"
 SOURCES = (
@@ -20,7 +20,7 @@ Record = dict[str, Any]
 
 
 def records(
-    numbers: Iterable[int], folder: Path, measure: Callable[[int], Record] = measured
+    numbers: Iterable[int], folder: Path, measure: Callable[[int], Record] = measure_scene
 ) -> Iterator[Record]:
     """Yield the record of every scene; those in the file, of the present source, are not made
     again."""

@@ -1,4 +1,4 @@
-"""What a scene does under every size of its load, by the 50-digit chain."""
+"""Behaviour of a scene under every size of its load, by the 50-digit chain."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ import numpy as np
 from mpmath import mp
 
 from rodgen_evidence.verdicts.digits import DIGITS, FLOAT
-from rodgen_evidence.verdicts.exact_rest import ExactRest, FoldError, follow, polished, residual
+from rodgen_evidence.verdicts.exact_rest import ChainFoldError, ExactRest, follow, refine, residual
 from rodgen_evidence.verdicts.link_chain import LinkChain, Table
 from rodgen_evidence.verdicts.random_scenes import Sketch
 from rodgen_evidence.verdicts.spectrum50 import Spectrum50, spectrum50
@@ -64,15 +64,15 @@ class AlongLoad:
         """The rest under a size of the load. Raises FoldError."""
         if size not in self._rests:
             if size >= self.end:
-                raise FoldError(self.end)
+                raise ChainFoldError(self.end)
             below = [one for one in self._rests if one <= size]
             low = max(below, default=0.0)
             z = np.array(self._rests[low].z, dtype=float) if below else self.start
             try:
                 z = follow(lambda share: self.sketch.at(low + share * (size - low)), z)
                 with mp.workdps(DIGITS):
-                    self._rests[size] = polished(self.sketch.at(size), z)
-            except FoldError as folded:
+                    self._rests[size] = refine(self.sketch.at(size), z)
+            except ChainFoldError as folded:
                 self.end = min(self.end, low + folded.where * (size - low))
                 raise
         return self._rests[size]
@@ -99,9 +99,9 @@ class AlongLoad:
         chain = LinkChain(table, FLOAT)
         z = np.append(y[: chain.size], y[2 * chain.size :])
         with mp.workdps(DIGITS):
-            found = polished(table, z)
+            found = refine(table, z)
         if np.abs(np.array(found.z, dtype=float) - z).max(initial=0.0) > 1e-6:
-            raise FoldError(0.0)
+            raise ChainFoldError(0.0)
         return found
 
     def stays(self, size: float) -> bool:
@@ -122,7 +122,7 @@ class AlongLoad:
         """Whether all loads, as they grow together, lead to no rest."""
         try:
             self.together(size)
-        except FoldError:
+        except ChainFoldError:
             return True
         return False
 

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from rodgen_evidence.verdicts.along_load import AlongLoad, KinkError
-from rodgen_evidence.verdicts.exact_rest import FoldError
+from rodgen_evidence.verdicts.exact_rest import ChainFoldError
 from rodgen_evidence.verdicts.judgement import CONTRADICTED, NONE, REFUSED, RIGHT, Judgement
 from rodgen_evidence.verdicts.product_answers import Refusal
 
@@ -22,7 +22,7 @@ def branch(reference: AlongLoad, answer: Any, one: float) -> list[Judgement]:
         return []
     try:
         reference.rest(0.0)
-    except FoldError as folded:
+    except ChainFoldError as folded:
         return [Judgement(NAME, NONE, 0.0, str(folded))]
     if isinstance(answer, Refusal):
         kind = NONE if answer.input else REFUSED
@@ -41,7 +41,7 @@ def _why(answer: Any) -> str:
 
 
 def _counts(reference: AlongLoad, answer: Any, values: Any) -> Any:
-    """How many motions grow at every load that lies between points that agree."""
+    """Count the motions that grow at every load that lies between points that agree."""
     unstable, first = answer["unstable"].values, reference.sketch.table["rod"]["boundary"]
     for size in reference.grid:
         at = int(np.searchsorted(values, size))
@@ -49,7 +49,7 @@ def _counts(reference: AlongLoad, answer: Any, values: Any) -> Any:
             continue
         try:
             grown = len(reference.spectrum(float(size)).growing)
-        except FoldError:
+        except ChainFoldError:
             return
         except KinkError as unknown:
             yield Judgement(NAME, NONE, size, str(unknown))
@@ -81,7 +81,7 @@ def _specials(reference: AlongLoad, answer: Any, one: float, until: int) -> Any:
             return
         try:
             s = np.append(reference.spectrum(float(size)).s, [])
-        except (FoldError, KinkError):
+        except (ChainFoldError, KinkError):
             return
         own = 2j * np.pi * frequency
         off = float(np.abs(s - own).min(initial=np.inf))

@@ -14,7 +14,7 @@ from rich.table import Table
 
 from rodgen.loading.cache import source_hash
 from rodgen_evidence.verdicts.along_load import AlongLoad
-from rodgen_evidence.verdicts.compare import judged
+from rodgen_evidence.verdicts.compare import judge
 from rodgen_evidence.verdicts.judgement import CONTRADICTED, FOLD, NONE, REFUSED, RIGHT, Judgement
 from rodgen_evidence.verdicts.product_answers import Answers
 from rodgen_evidence.verdicts.random_scenes import sketch
@@ -28,7 +28,7 @@ Judge = Callable[[int], list[Judgement]]
 
 def judged_scene(seed: int) -> list[Judgement]:
     """The verdicts on the scene of a number."""
-    return judged(AlongLoad(sketch(seed)), Answers(sketch(seed)))
+    return judge(AlongLoad(sketch(seed)), Answers(sketch(seed)))
 
 
 def campaign(numbers: Iterable[int], folder: Path, judge: Judge = judged_scene) -> Iterator[Line]:

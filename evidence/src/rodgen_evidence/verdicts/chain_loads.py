@@ -27,7 +27,7 @@ def rates(chain: LinkChain, y: Sequence[Any]) -> Vector:
 
 
 class ChainLoads:
-    """What acts on a chain in a state: forces with their places, moments on links."""
+    """Loads on a chain in a state: forces with their places, moments on links."""
 
     def __init__(self, here: ChainState):
         self.here, self.chain, self.of = here, here.chain, here.chain.numbers.of
@@ -59,24 +59,24 @@ class ChainLoads:
         if before >= 0:
             self.moments[before] += moment
 
-    def _turned(self, before: int, after: int, of: Vector, ground: Any) -> Any:
+    def _turn(self, before: int, after: int, of: Vector, ground: Any) -> Any:
         return of[after] - (of[before] if before >= 0 else ground)
 
     def bend(self) -> None:
         """Springs of the joints."""
         for before, after, k in self.chain.springs:
-            turned = self._turned(before, after, self.here.phi, self.chain.axis)
+            turned = self._turn(before, after, self.here.phi, self.chain.axis)
             self._pair(before, after, k * turned)
 
     def material_damping(self, load: Table) -> None:
         for before, after, k in self.chain.springs:
-            turned = self._turned(before, after, self.here.omega, 0)
+            turned = self._turn(before, after, self.here.omega, 0)
             self._pair(before, after, self.of(load["time"]) * k * turned)
 
     def internal_damping(self, load: Table) -> None:
         c = self.of(load["coefficient"]) * self.chain.mass / self.chain.n
         for before, after, _ in self.chain.springs:
-            turned = self._turned(before, after, self.here.omega, 0)
+            turned = self._turn(before, after, self.here.omega, 0)
             self._pair(before, after, (1 if before >= 0 else 2) * c * turned)
 
     def follower(self, load: Any) -> None:
@@ -102,7 +102,7 @@ class ChainLoads:
         self.forces.append((self.chain.joints[-1], x, y))
 
     def _directions(self) -> list[tuple[Any, Any]]:
-        """Of the mean angle of the links at every joint."""
+        """Directions of the mean angle of the links at every joint."""
         numbers, phi = self.chain.numbers, self.here.phi
         pairs = [(a + b) / 2 for a, b in pairwise(phi)]
         return [(numbers.cos(a), numbers.sin(a)) for a in (phi[0], *pairs, phi[-1])]

@@ -10,7 +10,7 @@ import numpy as np
 from rodgen_evidence.verdicts.along_load import HELD, AlongLoad, KinkError
 from rodgen_evidence.verdicts.branch_check import branch
 from rodgen_evidence.verdicts.critical_check import critical
-from rodgen_evidence.verdicts.exact_rest import ExactRest, FoldError
+from rodgen_evidence.verdicts.exact_rest import ChainFoldError, ExactRest
 from rodgen_evidence.verdicts.judgement import CONTRADICTED, FOLD, NONE, REFUSED, RIGHT, Judgement
 from rodgen_evidence.verdicts.product_answers import Answers, Refusal
 from rodgen_evidence.verdicts.spectrum50 import GROWS
@@ -20,8 +20,8 @@ AMONG = 1e-6  # of a rate, from an eigenvalue; its square root where two meet
 MEETS = 1e-2
 
 
-def judged(reference: AlongLoad, answers: Answers) -> list[Judgement]:
-    """All verdicts on a scene."""
+def judge(reference: AlongLoad, answers: Answers) -> list[Judgement]:
+    """List all verdicts on a scene."""
     found = critical(reference, answers.critical())
     for size in map(float, reference.grid):
         found += static(reference, size, answers.static(size))
@@ -30,7 +30,7 @@ def judged(reference: AlongLoad, answers: Answers) -> list[Judgement]:
 
 
 def summary(verdicts: list[Judgement]) -> dict[str, dict[str, int]]:
-    """How many verdicts of each kind every function has."""
+    """Count the verdicts of each kind by function."""
     functions = dict.fromkeys(one.function for one in verdicts)
     return {f: dict(Counter(v.kind for v in verdicts if v.function == f)) for f in functions}
 
@@ -41,7 +41,7 @@ def static(reference: AlongLoad, size: float, answer: Any) -> list[Judgement]:
     name = "static"
     try:
         rest: Any = reference.rest(size)
-    except FoldError:
+    except ChainFoldError:
         rest = None
     if isinstance(answer, Refusal):
         if answer.input:
@@ -52,7 +52,7 @@ def static(reference: AlongLoad, size: float, answer: Any) -> list[Judgement]:
     table, found = reference.sketch.at(size), []
     try:
         own = reference.at_rest(table, answer.y)
-    except FoldError:
+    except ChainFoldError:
         return [Judgement(name, CONTRADICTED, size, "rates are not zero in its rest")]
     if not reference.hangs and (text := _other_branch(reference, size, own, rest)):
         found.append(Judgement(name, CONTRADICTED, size, text))
@@ -67,7 +67,7 @@ def static(reference: AlongLoad, size: float, answer: Any) -> list[Judgement]:
 
 
 def _other_branch(reference: AlongLoad, size: float, own: ExactRest, rest: ExactRest | None) -> str:
-    """What is wrong with a rest to which neither way of the loads leads."""
+    """Describe the fault of a rest to which neither way of the loads leads."""
     apart = np.inf
     if rest is not None:
         off = np.array(own.z, dtype=float) - np.array(rest.z, dtype=float)
@@ -84,7 +84,7 @@ def modes(reference: AlongLoad, size: float, answer: Any) -> list[Judgement]:
     name = "modes"
     try:
         spectrum = reference.spectrum(size)
-    except (FoldError, KinkError) as unknown:
+    except (ChainFoldError, KinkError) as unknown:
         return [Judgement(name, NONE, size, str(unknown))]
     if isinstance(answer, Refusal):
         kind = FOLD if reference.turns_back(size) else REFUSED

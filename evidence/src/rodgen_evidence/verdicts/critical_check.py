@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from rodgen_evidence.verdicts.along_load import AlongLoad, KinkError
-from rodgen_evidence.verdicts.exact_rest import FoldError
+from rodgen_evidence.verdicts.exact_rest import ChainFoldError
 from rodgen_evidence.verdicts.judgement import CONTRADICTED, FOLD, NONE, REFUSED, RIGHT, Judgement
 from rodgen_evidence.verdicts.product_answers import Refusal
 from rodgen_evidence.verdicts.spectrum50 import GROWS
@@ -26,7 +26,7 @@ def critical(reference: AlongLoad, answer: Any) -> list[Judgement]:
         first = growth(reference, 0.0)
     except KinkError as unknown:
         return [Judgement(NAME, NONE, 0.0, str(unknown))]
-    except FoldError:
+    except ChainFoldError:
         return [Judgement(NAME, RIGHT if isinstance(answer, Refusal) else NONE, 0.0)]
     if isinstance(answer, Refusal):
         return [_refusal(reference, answer, first)]
@@ -40,14 +40,14 @@ def _sizes(reference: AlongLoad) -> Iterator[float]:
     for size in map(float, reference.grid):
         try:
             reference.rest(size)
-        except FoldError:
+        except ChainFoldError:
             low = max(float(one) for one in reference.grid if one < reference.end)
             yield from (low + share * (reference.end - low) for share in BEFORE)
         yield size
 
 
 def growth(reference: AlongLoad, size: float) -> float:
-    """Of the motion that grows most [1/s]."""
+    """Growth rate of the motion that grows most [1/s]."""
     return reference.spectrum(size).growth
 
 
@@ -59,7 +59,7 @@ def _refusal(reference: AlongLoad, answer: Refusal, first: float) -> Judgement:
         try:
             if growth(reference, size) > GROWS:
                 return Judgement(NAME, REFUSED, size, f"grows at {size:.6g}, but: {answer.text}")
-        except FoldError:
+        except ChainFoldError:
             return Judgement(
                 NAME, FOLD, reference.end, f"ends at {reference.end:.9g}: {answer.text}"
             )
@@ -69,13 +69,13 @@ def _refusal(reference: AlongLoad, answer: Refusal, first: float) -> Judgement:
 
 
 def _wrong(reference: AlongLoad, answer: Any) -> Any:
-    """What is wrong with a critical load."""
+    """Yield the faults of a critical load."""
     force, unit = answer.value, reference.sketch.unit
     below = force - BELOW * (abs(force) + unit)
     for size in reference.grid:
         try:
             grows = growth(reference, size)
-        except FoldError:
+        except ChainFoldError:
             break
         except KinkError:
             return
@@ -87,7 +87,7 @@ def _wrong(reference: AlongLoad, answer: Any) -> Any:
         if above <= GROWS:
             yield f"{force:.9g}, but nothing grows above it ({above:.3g} 1/s)"
         yield from _other_rate(reference, answer)
-    except FoldError:
+    except ChainFoldError:
         if reference.end < force * (1 - 1e-4):
             yield f"{force:.9g}, but the rest ends at {reference.end:.9g}"
 

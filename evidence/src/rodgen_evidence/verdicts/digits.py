@@ -27,7 +27,7 @@ FLOAT = NumberKind(float, math.cos, math.sin, math.sqrt)
 FIFTY = NumberKind(mpf, mp.cos, mp.sin, mp.sqrt)
 
 
-def solved(A: Sequence[Sequence[Any]], b: Sequence[Any]) -> Vector:
+def solve(A: Sequence[Sequence[Any]], b: Sequence[Any]) -> Vector:
     """Solve A x = b by elimination with row pivots. Raises ZeroDivisionError."""
     rows = [[*row, value] for row, value in zip(A, b, strict=True)]
     size = len(rows)

@@ -22,19 +22,19 @@ class Draws(RandomRod):
 
     def law(self, texts: tuple[str, ...]) -> str:
         text = str(self.shape.choice(texts))
-        g = self.signed(1e-3, 0.5)
+        g = self.signed_size(1e-3, 0.5)
         given = {"g": repr(g), "T": repr(self.T), "F": repr(self.F), "L": repr(self.L)}
         return text.format(s=self.spot(), **given)
 
     def drag(self) -> Table:
-        """Its wind is of a speed that bends the rod; straight rods have one along their axis."""
+        """Draw a drag in a wind that bends the rod; straight rods have a wind along their axis."""
         medium = self.M / self.L**2
         found: Table = {"normal": self.size(0.1, 2) * medium}
         found["tangential"] = self.size(0.01, 0.3) * medium
         speed = self.L / self.T
         if self.boundary != "free" or self.tied:
-            y = self.signed(0.1, 2) * speed if self.bent else 0.0
-            found["wind"] = [self.signed(0.1, 2) * speed, y]
+            y = self.signed_size(0.1, 2) * speed if self.bent else 0.0
+            found["wind"] = [self.signed_size(0.1, 2) * speed, y]
         return found
 
     def ties(self) -> Table:
@@ -66,5 +66,5 @@ class Draws(RandomRod):
             return {"bodies": [body]}
         body |= {"at": self.spot(), "inertia": self.size(1e-3, 0.1) * self.M * self.L**2}
         if self.bent and self.chance(0.5):
-            body["offset"] = [0.0, self.signed(0.01, 0.1) * self.L]
+            body["offset"] = [0.0, self.signed_size(0.01, 0.1) * self.L]
         return {"bodies": [body]}

@@ -22,8 +22,8 @@ FOUND, EXACT = 1e-9, 1e-40  # the last correction, of angles and places
 SINGULAR = 1e-11  # of the largest singular value: what nothing holds
 
 
-class FoldError(Exception):
-    """No rest next to the last one; where: on the way, or at which load; z: the last one."""
+class ChainFoldError(Exception):
+    """Lack of a rest next to the last one; where: on the way, or at which load; z: the last one."""
 
     def __init__(self, where: float, z: Any = None):
         super().__init__(f"no rest beyond {where:.6g}")
@@ -90,7 +90,7 @@ def follow(table: Callable[[float], Table], z: Any, longest: float = 0.1) -> Any
     chain = LinkChain(table(0.0), FLOAT)
     found = newton(chain, np.asarray(z, dtype=float))
     if found is None:
-        raise FoldError(0.0)
+        raise ChainFoldError(0.0)
     z, done, step, slant = found, 0.0, longest, np.zeros(len(found))
     sign = _sign(chain, z)
     if newton(LinkChain(table(1.0), FLOAT), z) is not None and _still(table, z):
@@ -111,7 +111,7 @@ def follow(table: Callable[[float], Table], z: Any, longest: float = 0.1) -> Any
                 continue
         step /= 2
         if step < LEAST:
-            raise FoldError(done, z)
+            raise ChainFoldError(done, z)
     return z
 
 
@@ -137,8 +137,8 @@ def _still(table: Callable[[float], Table], z: Any) -> bool:
     return found is not None and float(np.abs(found - z).max(initial=0.0)) < 1e-13
 
 
-def polished(table: Table, z: Any) -> ExactRest:
-    """The same rest in 50 digits. Raises FoldError where it is none."""
+def refine(table: Table, z: Any) -> ExactRest:
+    """Refine a rest to 50 digits. Raises ChainFoldError where it is none."""
     chain, rough = LinkChain(table, FIFTY), LinkChain(table, FLOAT)
     J = slope(rough, np.asarray(z, dtype=float))
     own = kept(rough, J)
@@ -157,5 +157,5 @@ def polished(table: Table, z: Any) -> ExactRest:
         if scale * float(np.abs(by).max()) < EXACT:
             break
     else:
-        raise FoldError(0.0)
+        raise ChainFoldError(0.0)
     return ExactRest(z, float(sizes.min(initial=np.inf) / sizes.max(initial=1.0)))

@@ -10,7 +10,7 @@ from collections.abc import Sequence
 from fractions import Fraction
 from typing import Any
 
-from rodgen_evidence.verdicts.digits import NumberKind, Vector, solved
+from rodgen_evidence.verdicts.digits import NumberKind, Vector, solve
 
 Table = dict[str, Any]
 
@@ -88,19 +88,19 @@ class ChainState:
         self.e = [(chain.numbers.cos(a), chain.numbers.sin(a)) for a in self.phi]
 
     def place(self, arms: Any) -> tuple[Any, Any]:
-        """Where a place is."""
+        """Position of a place."""
         x, y = self.origin
         for (c, d), (cos, sin) in zip(arms, self.e, strict=True):
             x, y = x + c * cos - d * sin, y + c * sin + d * cos
         return x, y
 
     def columns(self, arms: Any) -> list[tuple[Any, Any]]:
-        """How a place moves with every angle."""
+        """Derivatives of a place by every angle."""
         each = zip(arms, self.e, strict=True)
         return [(-c * sin - d * cos, c * cos - d * sin) for (c, d), (cos, sin) in each]
 
     def velocity(self, arms: Any) -> tuple[Any, Any]:
-        """How fast a place moves."""
+        """Velocity of a place."""
         x, y = self.v0
         for (a, b), omega in zip(self.columns(arms), self.omega, strict=True):
             x, y = x + a * omega, y + b * omega
@@ -130,4 +130,4 @@ class ChainState:
                 M[j][i] = M[i][j]
         for i, spin in enumerate(chain.spin[first:]):
             M[base + i][base + i] += spin
-        return solved(M, Q)
+        return solve(M, Q)

@@ -1,4 +1,4 @@
-"""What rodgen says of a scene: its answers, apart from their judgement, so that a test can falsify
+"""Answers of rodgen on a scene, apart from their judgement, so that a test can falsify
 them."""
 
 from __future__ import annotations
@@ -29,8 +29,8 @@ class Refusal:
     input: bool = False
 
 
-def asked(call: Callable[[], Any]) -> Any:
-    """The answer of a function, or its refusal."""
+def ask(call: Callable[[], Any]) -> Any:
+    """Call a function; return its answer, or its refusal."""
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")
         try:
@@ -65,15 +65,15 @@ class Answers:
         """The critical load."""
         scene, load = self.scene(self.sketch.unit), self.sketch.load
         bounds = None, self.sketch.highest
-        return asked(lambda: rodgen.critical_load(scene, bounds=bounds, load=load))
+        return ask(lambda: rodgen.critical_load(scene, bounds=bounds, load=load))
 
     def static(self, size: float) -> Any:
         """The equilibrium under a size of the load."""
-        return asked(lambda: rodgen.static_equilibrium(self.scene(size)))
+        return ask(lambda: rodgen.static_equilibrium(self.scene(size)))
 
     def modes(self, size: float) -> Any:
         """Small motions under a size of the load."""
-        return asked(lambda: rodgen.natural_modes(self.scene(size), count=20))
+        return ask(lambda: rodgen.natural_modes(self.scene(size), count=20))
 
     def branch(self) -> Any:
         """Equilibria along the load; of a dead force with two components nothing, since one number
@@ -83,4 +83,4 @@ class Answers:
         key, one = self.key
         ends = 0.0, one * self.sketch.highest
         scene = self.scene(0.0)
-        return asked(lambda: rodgen.continue_equilibria(scene, key, ends))
+        return ask(lambda: rodgen.continue_equilibria(scene, key, ends))

@@ -26,7 +26,7 @@ class RandomRod:
         self.T = float(np.sqrt(self.M * self.L**3 / self.EI))
 
     def links(self) -> int:
-        """How many links it has, at random."""
+        """Draw a number of links."""
         return int(self.shape.integers(2, 6))
 
     def chance(self, share: float) -> bool:
@@ -37,8 +37,8 @@ class RandomRod:
         """A number between two, alike in all decades."""
         return float(f"{10 ** self.sizes.uniform(np.log10(low), np.log10(high)):.6g}")
 
-    def signed(self, low: float, high: float) -> float:
-        """Such a number with either sign."""
+    def signed_size(self, low: float, high: float) -> float:
+        """Draw a number of a random size with either sign."""
         return float(self.sizes.choice([-1, 1])) * self.size(low, high)
 
     def spot(self) -> float:

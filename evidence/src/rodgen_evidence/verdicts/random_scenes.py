@@ -72,9 +72,9 @@ class _Drawn(Draws):
             several = [follower]
             if self.chance(0.15):
                 at = float(self.shape.choice([0.25, 0.5, 1.0]))
-                several.append({"force": self.signed(0.1, 5) * F, "at": at})
+                several.append({"force": self.signed_size(0.1, 5) * F, "at": at})
                 if self.bent and self.chance(0.5):
-                    several[-1]["angle"] = self.signed(0.1, 3)
+                    several[-1]["angle"] = self.signed_size(0.1, 3)
             if self.chance(0.15):
                 several.append({"force": self.law(SIDES), "angle": float(np.pi / 2), "at": 0.5})
             loads["follower"] = several if len(several) > 1 else follower
@@ -84,7 +84,7 @@ class _Drawn(Draws):
         bends = self.bent and main != "gravity" and self.chance(0.5)
         if main == "tip" or self.chance(0.1) or (self.bent and not bends):
             x = -1.0 if main == "tip" else -self.size(0.1, 1) * F
-            loads["tip"] = {"x": x, "y": self.signed(0.05, 2) * (1 if main == "tip" else F)}
+            loads["tip"] = {"x": x, "y": self.signed_size(0.05, 2) * (1 if main == "tip" else F)}
             if not self.bent:
                 del loads["tip"]["y"]
         if main == "gravity" or bends:

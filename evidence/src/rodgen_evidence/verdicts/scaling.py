@@ -14,10 +14,10 @@ SIZES = "force", "force_per_length", "g", "x", "y", "normal", "tangential"
 def with_load(table: Table, load: str, size: float, others: float = 1.0) -> Table:
     """The tables of a scene with another size of one load, and a share of the others; forces by
     feedback act in full."""
-    loads = {name: _shared(one, others) for name, one in table["loads"].items()}
+    loads = {name: _scale(one, others) for name, one in table["loads"].items()}
     if load == "follower":
         one = table["loads"][load]
-        several = _shared(one, others) if isinstance(one, list) else [one]
+        several = _scale(one, others) if isinstance(one, list) else [one]
         several = [several[0] | {"force": size}, *several[1:]]
         loads[load] = several if isinstance(one, list) else several[0]
     elif load == "distributed_follower":
@@ -31,11 +31,11 @@ def with_load(table: Table, load: str, size: float, others: float = 1.0) -> Tabl
     return table | {"loads": loads}
 
 
-def _shared(load: Any, share: float) -> Any:
-    """A load with a share of its sizes."""
+def _scale(load: Any, share: float) -> Any:
+    """Multiply the sizes of a load by a share."""
     if share == 1.0:
         return load
     if isinstance(load, list):
-        return [_shared(one, share) for one in load]
+        return [_scale(one, share) for one in load]
     sizes = {key: v for key, v in load.items() if key in SIZES and not isinstance(v, str)}
     return load | {key: share * v for key, v in sizes.items()}

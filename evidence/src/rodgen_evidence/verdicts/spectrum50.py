@@ -31,7 +31,7 @@ class Spectrum50(NamedTuple):
 
     @property
     def growth(self) -> float:
-        """Of the motion that grows most [1/s]."""
+        """Growth rate of the motion that grows most [1/s]."""
         return float(self.s.real.max(initial=-np.inf if not self.zeros else 0.0))
 
     @property

@@ -19,10 +19,10 @@ from rich.progress import track
 
 import rodgen
 from rodgen_evidence.verdicts.digits import FLOAT
-from rodgen_evidence.verdicts.exact_rest import FoldError, follow, stiffness
+from rodgen_evidence.verdicts.exact_rest import ChainFoldError, follow, stiffness
 from rodgen_evidence.verdicts.judgement import CONTRADICTED, FOLD, REFUSED, RIGHT, Judgement
 from rodgen_evidence.verdicts.link_chain import LinkChain, Table
-from rodgen_evidence.verdicts.product_answers import Refusal, asked
+from rodgen_evidence.verdicts.product_answers import Refusal, ask
 from rodgen_evidence.verdicts.scaling import with_load
 
 STEP = 0.01  # of the way
@@ -61,16 +61,16 @@ def windy(seed: int) -> Table:
     return table | ({"supports": rows} if rows else {})
 
 
-def judged(seed: int, answer: Any = None, step: float = STEP) -> Judgement:
-    """The verdict on the rest of a scene; answer: that of `static_equilibrium`, by default; step:
+def judge_rest(seed: int, answer: Any = None, step: float = STEP) -> Judgement:
+    """Judge the rest of a scene; answer: that of `static_equilibrium`, by default; step:
     the longest of the way."""
     table = windy(seed)
-    answer = answer or asked(lambda: rodgen.static_equilibrium(rodgen.Scene.from_dict(table)))
+    answer = answer or ask(lambda: rodgen.static_equilibrium(rodgen.Scene.from_dict(table)))
     chain = LinkChain(table, FLOAT)
     start = np.zeros(chain.size)
     try:
         z = follow(lambda share: with_load(table, "", 0.0, share), start, step)
-    except FoldError as folded:
+    except ChainFoldError as folded:
         return _at_fold(table, start, folded, answer)
     if isinstance(answer, Refusal):
         return Judgement("wind", REFUSED, 1.0, answer.text)
@@ -82,7 +82,7 @@ def judged(seed: int, answer: Any = None, step: float = STEP) -> Judgement:
     return Judgement("wind", RIGHT, 1.0)
 
 
-def _at_fold(table: Table, start: Any, folded: FoldError, answer: Any) -> Judgement:
+def _at_fold(table: Table, start: Any, folded: ChainFoldError, answer: Any) -> Judgement:
     """The verdict where plain continuation goes no further."""
     sizes = [
         np.linalg.svd(
@@ -107,7 +107,7 @@ def main() -> int:
     parser.add_argument("--first", type=int, default=0, help="number of the first")
     asked_for = parser.parse_args()
     numbers = range(asked_for.first, asked_for.first + asked_for.scenes)
-    verdicts = {seed: judged(seed) for seed in track(numbers, "scenes")}
+    verdicts = {seed: judge_rest(seed) for seed in track(numbers, "scenes")}
     for seed, one in verdicts.items():
         if one.kind != RIGHT:
             print(f"{seed}: {one.kind}: {one.text}")

@@ -83,10 +83,10 @@ def _state_variables(
 ) -> dict[str, Array]:
     """Variables of the steady states at points, by name."""
     base = problem.along.base
-    n, cells = base.scene.rod.links, base.n_moving
+    n, n_moving = base.scene.rod.links, base.n_moving
     shapes = {"value": (), "phi": (n,), "tip": (2,), "y": (len(base.scene.initial_state()),)}
     made = {name: np.zeros((len(points), *shape)) for name, shape in shapes.items()}
-    made["force"] = np.zeros((len(points), cells, 2))
+    made["force"] = np.zeros((len(points), n_moving, 2))
     low, high = problem.along.numbers.bounds
     for row, point in enumerate(points):
         state = problem.steady_state(point.u)

@@ -26,14 +26,14 @@ class HeldRodEquilibria(Equilibria):
 
     def __init__(self, along: RodRange, start: SteadyState, all_modes: bool = False):
         super().__init__(along, start, all_modes)
-        scene, cells = start.rod.scene, start.rod.n_moving
+        scene, n_moving = start.rod.scene, start.rod.n_moving
         soft = scene.distribution.mean_stiffness / scene.rod.length**2 * scene.rod.links
         usual = max(
             soft / max(scene.mass, 1e-300), float(np.abs(start.joint_forces).max(initial=0.0))
         )
         self.force = usual or 1.0
-        self.columns = np.tile([1.0, self.force, self.force], cells)
-        self.weights = np.append(np.tile([1.0 / cells, 0.0, 0.0], cells), 1.0)
+        self.columns = np.tile([1.0, self.force, self.force], n_moving)
+        self.weights = np.append(np.tile([1.0 / n_moving, 0.0, 0.0], n_moving), 1.0)
         sizes = abs(to_sparse(start.implicit_blocks.statics)) @ self.columns
         self.rows = 1 / np.where(sizes > 0, sizes, 1.0)
         self._left, self._right = diags_array(self.rows), diags_array(self.columns)
@@ -49,17 +49,17 @@ class HeldRodEquilibria(Equilibria):
 
     def evaluate(self, u: Array) -> tuple[Array, Matrix]:
         here = self.steady_state(u)
-        rod, cells = here.rod, here.implicit_blocks
-        by_value = np.zeros(cells.residual.size)
+        rod, blocks = here.rod, here.implicit_blocks
+        by_value = np.zeros(blocks.residual.size)
         for p, share in self.along.numbers.difference_points(self.value(u)):
             by_value += share * ImplicitBlocks.at(rod, here.at, p).residual.ravel()
         by_value *= self.rows
-        F = self.rows * cells.residual.ravel()
-        if cells.ways is not None:
-            whole = cells.assemble(cells.statics, cells.by_position)
+        F = self.rows * blocks.residual.ravel()
+        if blocks.ways is not None:
+            whole = blocks.assemble(blocks.statics, blocks.by_position)
             return F, np.column_stack((self.rows[:, None] * whole * self.columns, by_value))
         J = csc_array(
-            hstack([self._left @ to_sparse(cells.statics) @ self._right, by_value[:, None]])
+            hstack([self._left @ to_sparse(blocks.statics) @ self._right, by_value[:, None]])
         )
         return F, J.toarray() if len(u) <= SMALL else J
 

@@ -95,7 +95,7 @@ class SteadyMotions(Equilibria):
         if rod.has_supports or rod.has_feedback:
             what = "absent: springs hold the rod, or its loads follow its motion"
             raise InputError("motion", rod.scene.name, what)
-        self.base, self.cells = rod.n_base, rod.n_moving
+        self.base, self.n_moving = rod.n_base, rod.n_moving
         self.moves = bool(self.base) and has_drag(rod)
         self.turns = _is_rotation_invariant(start)
         usual = rod.scene.distribution.mean_stiffness / rod.scene.rod.length**3
@@ -103,13 +103,13 @@ class SteadyMotions(Equilibria):
         speed = float(np.linalg.norm(start.velocity)) or rod.scene.rod.length * rate
         self.columns = np.concatenate(
             (
-                np.ones(self.cells),
+                np.ones(self.n_moving),
                 np.full(self.base * self.moves, speed),
                 np.full(int(self.turns), abs(start.spin) or rate),
             )
         )
-        angles = np.arange(len(self.columns)) < self.cells
-        self.weights = np.append(np.where(angles, 1.0 / self.cells, 0.0), 1.0)
+        angles = np.arange(len(self.columns)) < self.n_moving
+        self.weights = np.append(np.where(angles, 1.0 / self.n_moving, 0.0), 1.0)
         self.mean = float(start.phi.mean())
         slope = np.abs(self._jacobian(self._balance(start))) @ self.columns
         self.rows = 1 / np.where(slope > 0, slope, 1.0)
@@ -133,7 +133,9 @@ class SteadyMotions(Equilibria):
 
     def _make_state(self, rod: SteadyRod, p: Array, u: Array) -> SteadyMotion:
         z = u[:-1] * self.columns
-        phi, velocity, turning = np.split(z, [self.cells, self.cells + self.base * self.moves])
+        phi, velocity, turning = np.split(
+            z, [self.n_moving, self.n_moving + self.base * self.moves]
+        )
         if not self.moves:
             velocity = np.zeros(self.base)
         rate = float(turning[0]) if self.turns else 0.0
@@ -154,7 +156,7 @@ class SteadyMotions(Equilibria):
         parts += [made.by_velocity] * self.moves + [made.by_turning[:, None]] * self.turns
         slope = np.column_stack(parts)
         if self.turns:
-            slope = np.vstack((slope, np.arange(slope.shape[1]) < self.cells))
+            slope = np.vstack((slope, np.arange(slope.shape[1]) < self.n_moving))
         return np.asarray(slope)
 
     def evaluate(self, u: Array) -> tuple[Array, Array]:
@@ -200,7 +202,7 @@ class SteadyMotions(Equilibria):
         state = self._motion(u)
         if state.has_kink and state.is_straight:
             raise AnalysisError("external damping has no linear part along the straight rod")
-        made, size = self._balance(state), self.cells
+        made, size = self._balance(state), self.n_moving
         moves = self.base * self.moves
         joint, links = slice(size, size + moves), slice(size + moves, 2 * size + moves)
         A = np.zeros((2 * size + moves, 2 * size + moves))
@@ -226,7 +228,7 @@ class SteadyMotions(Equilibria):
         return found.s[found.growth > 0]
 
     def linearise(self, u: Array, s: complex) -> Linear:
-        A, size = self._matrix(u), self.cells
+        A, size = self._matrix(u), self.n_moving
         if self.moves:
             return MatrixPencil(A, -np.eye(len(A)), np.zeros_like(A))
         # Of second order, in which frequencies that meet without damping are seen to.

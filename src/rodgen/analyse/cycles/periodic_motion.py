@@ -108,7 +108,7 @@ def find_cycle(
         given: dict[str, Any] = {"method": method, "segments": segments, "multipliers": multipliers}
         found_twice = partial(find_cycle, double_links(system.scene), **given, target=target)
         found = find_cycle(system, **given, target=target)
-        return found.with_notes(cycle_doubts(found, system.structure.links, found_twice))
+        return found.with_notes(cycle_doubts(found, system.structure.n_links, found_twice))
     if method not in (None, *WAYS.values()):
         raise InputError("method", method, " or ".join(map(repr, WAYS.values())))
     for name, value, way in (

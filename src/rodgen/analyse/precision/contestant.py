@@ -15,7 +15,7 @@ import numpy as np
 from rodgen.analyse.precision.job import MEASURES, Measures
 from rodgen.arrays import Array as Array
 
-COUNTS = ("steps", "rejected", "rhs", "jacobian", "factorisations")
+COUNTS = ("nsteps", "rejected", "nfev", "njev", "nlu")  # of a run, as SciPy calls them
 SETUP = ("generate", "compile")
 SHORT, ROUNDS = 0.1, 3  # seconds of a run that is measured so often, and the median taken
 LONGEST = 200  # letters of a reason
@@ -53,7 +53,7 @@ class Deadline:
 @dataclass(frozen=True)
 class RunResult:
     """Result of a run: y (samples, states) in rodgen's order at the job's sample times, and its
-    counts, as far as they are known: steps, rejected, rhs, jacobian, factorisations.
+    counts, as far as they are known: nsteps, rejected, nfev, njev, nlu.
 
     balance: gives the largest error of the run's own energy balance [J]; called after the clock has
     been read.

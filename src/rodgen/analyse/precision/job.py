@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from functools import cached_property
 from itertools import pairwise
 from types import ModuleType
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
@@ -38,13 +38,13 @@ class Job:
     scene: Scene
 
     @classmethod
-    def of(cls, name: str, table: dict[str, Any]) -> Job:
-        """Create a job from a scene's tables; its samples are a hundredth of the span apart.
+    def of(cls, name: str, scene: Scene) -> Job:
+        """Create a job from a scene; its samples are a hundredth of the span apart.
 
         Without events: peers know nothing of them, and states can be compared only where all of
         them reach the end.
         """
-        scene = Scene.from_dict(table | {"events": []})
+        scene = scene.replace({"events": []})
         first, last = scene.integrate.span
         return cls(name, scene.with_integrate(output_every=(last - first) / SAMPLES))
 

@@ -50,10 +50,6 @@ def own_family(job: Job, method: str, target: str, quick: bool) -> Family:
             yield contestant(job, method, target, rtol=rtol)
 
 
-# Names in the statistics of a run, in the order of COUNTS.
-NAMES = ("nsteps", "rejected", "nfev", "njev", "nlu")
-
-
 def contestant(job: Job, method: str, target: str, **setting: float) -> Contestant:
     """Set up a run with one step [s] or rtol of a method, as a user calls it, with all samples."""
     (kind, value), *_ = setting.items()
@@ -65,8 +61,8 @@ def contestant(job: Job, method: str, target: str, **setting: float) -> Contesta
     def integrate() -> RunResult:
         with collect_doubts():  # the limit is among what is tried
             run = simulate(job.scene, model=model, progress=lambda _: Deadline.check(), **given)
-        found = zip(COUNTS, (getattr(run.stats, name) for name in NAMES), strict=True)
-        counts = {name: value for name, value in found if value is not None}
+        found = {name: getattr(run.stats, name) for name in COUNTS}
+        counts = {name: value for name, value in found.items() if value is not None}
         return RunResult(run.y, counts, run.stats.wall_seconds, lambda: run.energy_error)
 
     order = None if method in VARIABLE_ORDER else METHODS[method].order
@@ -192,7 +188,7 @@ def _solve_ivp(job: Job, method: str, rtol: float) -> Contestant:
             return states
 
         y = integrate_stretches(job, solve_stretch)
-        counts = {"rhs": asked.rates, "jacobian": asked.jacobians, "factorisations": factorised}
+        counts = {"nfev": asked.rates, "njev": asked.jacobians, "nlu": factorised}
         return RunResult(y, counts)
 
     return _scipy_contestant(method, rtol, integrate)
@@ -222,6 +218,6 @@ def _lsoda(job: Job, rtol: float) -> Contestant:
             return y[1:]
 
         y = integrate_stretches(job, solve_stretch)
-        return RunResult(y, {"steps": steps, "rhs": asked.rates, "jacobian": asked.jacobians})
+        return RunResult(y, {"nsteps": steps, "nfev": asked.rates, "njev": asked.jacobians})
 
     return _scipy_contestant("LSODA", rtol, integrate)

@@ -62,7 +62,7 @@ SCIPY = ("rk45", "dop853", "radau", "bdf", "lsoda")
 class Reference:
     """Reference solution. states: (samples, states) by `method`; other: those by the method that
     checks it; off: their difference over time [rad] (samples,); estimate: of all measures; order,
-    tolerance, rhs: how the first was found."""
+    tolerance, nfev: how the first was found."""
 
     states: Array
     other: Array
@@ -72,7 +72,7 @@ class Reference:
     checked_by: str = ""
     order: float = 0.0
     tolerance: float = 0.0
-    rhs: int = 0
+    nfev: int = 0
 
     def measures(self, job: Job, method: str) -> Measures:
         """Measures of a method against the solution that is not its own, whoever it is by."""
@@ -108,7 +108,7 @@ def compute_reference(job: Job, seconds: float) -> Reference:
         f"{check.method}, rtol {check.setting:g}",
         best.order or 0.0,
         best.setting,
-        solved.counts["rhs"],
+        solved.counts["nfev"],
     )
 
 
@@ -335,7 +335,7 @@ def work_precision(
     check_positive(seconds, "seconds", "a positive number of seconds")
     if of is not None:
         check_choice("of", of, HELD_BY)
-    job = Job.of(scene.name, scene.model_dump(exclude_none=True))
+    job = Job.of(scene.name, scene)
     progress("reference")
     found = compute_reference(job, SHARE * seconds)
     own = (*FIXED_STEP, *ADAPTIVE)

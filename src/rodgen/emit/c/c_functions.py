@@ -147,7 +147,7 @@ def _solution_arrays(functions: Functions, pivots: Iterable[str]) -> dict[str, D
 
 def _link_arrays(functions: Functions, names: Iterable[str]) -> dict[str, Domain]:
     """Arrays with a value for every link."""
-    return dict.fromkeys(names, Domain((i,), 0, functions.links - 1))
+    return dict.fromkeys(names, Domain((i,), 0, functions.n_links - 1))
 
 
 def _held_arrays(functions: Functions) -> dict[str, Domain]:

@@ -97,7 +97,7 @@ class ArrayWriter:
         made = self._analysis.statements.get(base) or self._analysis.constant(base)
         given = {**self._analysis.parameters, **self._given}
         domain = made.domain if made is not None else given.get(base.removeprefix("d_"))
-        return (domain.low, domain.count) if domain is not None else (0, self._analysis.links)
+        return (domain.low, domain.count) if domain is not None else (0, self._analysis.n_links)
 
     def _has_state_axis(self, base: str) -> bool:
         """Whether an array differs from state to state."""

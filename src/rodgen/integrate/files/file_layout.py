@@ -126,7 +126,7 @@ def contents(
     changed: each sample has parameters of its own. Raises InputError for more than the format can
     hold.
     """
-    states, n, scene = len(model.STATE), system.structure.links, system.scene
+    states, n, scene = len(model.STATE), system.structure.n_links, system.scene
     zero = np.zeros(1)
     work = dict.fromkeys(terms, zero)
     rest = Trajectory(system, zero, np.zeros((1, states)), work, NO_STATS, model=model)

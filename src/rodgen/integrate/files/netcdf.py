@@ -67,7 +67,7 @@ class Header:
 
     @cached_property
     def start(self) -> int:
-        """Where the first record begins."""
+        """Position of the first record."""
         return min(v.begin for v in self.variables.values() if v.record)
 
 

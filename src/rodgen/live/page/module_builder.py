@@ -37,12 +37,16 @@ class ModuleBuilder:
     async def build(self, structure: Structure, stage: Stage) -> None:
         """Make a module and put it into the cache; stage: told what is being done. Ends the process
         if it is cancelled. Raises InputError where it cannot be made."""
-        if structure.links > MOST_LINKS:
-            raise InputError("rod.links", structure.links, f"at most {MOST_LINKS} in the live view")
+        if structure.n_links > MOST_LINKS:
+            raise InputError(
+                "rod.links", structure.n_links, f"at most {MOST_LINKS} in the live view"
+            )
         stage("waiting for others")
         async with self._places:
             if self._closed:
-                raise InputError("module", f"n = {structure.links}", "made before the server ends")
+                raise InputError(
+                    "module", f"n = {structure.n_links}", "made before the server ends"
+                )
             await _build(structure, stage)
 
 
@@ -77,7 +81,7 @@ async def _build(structure: Structure, stage: Stage) -> None:
         lines = errors.read().decode(errors="replace").strip().splitlines()
     if process.returncode:
         why = lines[-1] if lines else f"the process ended with {process.returncode}"
-        raise InputError("module", f"n = {structure.links}", f"one that can be made ({why})")
+        raise InputError("module", f"n = {structure.n_links}", f"one that can be made ({why})")
 
 
 def _forward_lines(process: subprocess.Popen[bytes], say: Callable[[str], object]) -> None:

@@ -37,7 +37,7 @@ class CriticalSearch:
         following = [TERMS[name] for name in system.load_terms if TERMS[name].follows]
         if not any(term.has_size for term in following[:1]):
             self.value = None
-        elif system.structure.links > MOST_LINKS:
+        elif system.structure.n_links > MOST_LINKS:
             self.value = f"not computed: more than {MOST_LINKS} links"
         else:
             self.value, self._system, self._since = COMPUTING, system, self._clock()

@@ -1,1 +1,1 @@
-"""What things cost: against the number of links, and without what a scene does not need."""
+"""Costs: against the number of links, and without what a scene does not need."""

@@ -1,4 +1,4 @@
-"""What everything costs against the number of links, and the exponents of that.
+"""Costs of everything against the number of links, and their exponents.
 
 A free uniform rod with thrust; for implicit steps with internal damping as well. Batches of all
 that is compared take turns, and medians are kept. What fails is a row that says why.
@@ -20,19 +20,19 @@ from scipy.integrate import Radau
 import rodgen
 from rodgen.analyse.precision.contestant import Measurement
 from rodgen.integrate.stability import dominant
-from rodgen_evidence.report.costs.rates import jacobians, rates, set_up
-from rodgen_evidence.report.costs.rod import (
+from rodgen_evidence.report.costs.cost_rows import (
     DAMPED,
     THRUST,
     VALUES,
     Array,
     built,
-    compared,
-    packed,
+    compare_costs,
+    parameter_vector,
     scene,
 )
+from rodgen_evidence.report.costs.rates import jacobians, rates, set_up
+from rodgen_evidence.report.interleaved_timing import Batch, calls
 from rodgen_evidence.report.peers import RATES
-from rodgen_evidence.report.timing import Batch, calls
 from rodgen_evidence.report.unit import Unit
 
 LINKS = (10, 20, 50, 100, 200, 500, 1000, 2000)
@@ -43,7 +43,7 @@ PEER = "rodgen_evidence.report.costs.rates:of_peer"
 
 
 def units(_: object, quick: bool, *__: object) -> list[Unit]:
-    """By number of links, then by peer; the scenes of the report have no part in it."""
+    """Plan units by number of links, then by peer; the scenes of the report have no part in it."""
     chosen, call = list(QUICK if quick else LINKS), f"{__name__}:costs"
     made = [
         Unit("costs", f"costs-n{n}", call, {"links": n, "quick": quick}, limit=LIMIT)
@@ -103,17 +103,21 @@ def implicit_steps(links: int, quick: bool) -> list[Measurement]:
     }
     if links <= MOST_SCIPY:
         given["SciPy Radau on rodgen C"] = partial(_scipy, links)
-    return compared("implicit step", links, given, quick)
+    return compare_costs("implicit step", links, given, quick)
 
 
-def _damped(links: int) -> tuple[ModuleType, Array, Array]:
+def _damped_rod(links: int) -> tuple[ModuleType, Array, Array]:
     """The module of the damped rod, its start and its parameters."""
     module = built(links, DAMPED)
-    return module, scene(links, VALUES["internal_damping"]).initial_state(), packed(module)
+    return (
+        module,
+        scene(links, VALUES["internal_damping"]).initial_state(),
+        parameter_vector(module),
+    )
 
 
 def _ours(links: int, method: str) -> Batch:
-    module, y, p = _damped(links)
+    module, y, p = _damped_rod(links)
     nothing = np.empty(0), np.empty((0, len(y) + len(module.WORKS)))
 
     def once() -> float:
@@ -130,7 +134,7 @@ def _ours(links: int, method: str) -> Batch:
 
 
 def _scipy(links: int) -> Batch:
-    module, y, p = _damped(links)
+    module, y, p = _damped_rod(links)
 
     def once() -> float:
         solver = Radau(
@@ -164,7 +168,7 @@ def jobs(links: int, module: ModuleType, quick: bool) -> list[Measurement]:
         return calls(partial(rodgen.simulate, job, model=model()))
 
     made = {who: partial(batch, model) for who, model in modules.items()}
-    return compared(f"job: {STEPS} steps of rk4", links, made, quick, TIMES)
+    return compare_costs(f"job: {STEPS} steps of rk4", links, made, quick, TIMES)
 
 
 def analyses(links: int, quick: bool) -> list[Measurement]:
@@ -175,6 +179,6 @@ def analyses(links: int, quick: bool) -> list[Measurement]:
         partial(rodgen.natural_modes, free, 10),
     )
     return [
-        *compared("critical force", links, {"rodgen": lambda: calls(critical)}, quick, TIMES),
-        *compared("ten natural modes", links, {"rodgen": lambda: calls(modes)}, quick, TIMES),
+        *compare_costs("critical force", links, {"rodgen": lambda: calls(critical)}, quick, TIMES),
+        *compare_costs("ten natural modes", links, {"rodgen": lambda: calls(modes)}, quick, TIMES),
     ]

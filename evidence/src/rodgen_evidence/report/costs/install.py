@@ -1,4 +1,4 @@
-"""What an installation costs: seconds of its imports, and bytes of what it consists of."""
+"""Costs of an installation: seconds of its imports, and bytes of what it consists of."""
 
 from __future__ import annotations
 
@@ -18,8 +18,8 @@ import rodgen
 from rodgen.analyse.precision.contestant import Measurement, describe_error
 from rodgen.loading import sources
 from rodgen_evidence.report.costs.cold import scratch
-from rodgen_evidence.report.costs.rod import THRUST
-from rodgen_evidence.report.timing import process
+from rodgen_evidence.report.costs.cost_rows import THRUST
+from rodgen_evidence.report.interleaved_timing import process
 from rodgen_evidence.report.unit import Unit
 
 ROUNDS, QUICK_ROUNDS = 5, 1
@@ -61,10 +61,10 @@ def imports(rounds: int = ROUNDS) -> list[Measurement]:
         Path(folder, name).write_text(text, encoding="utf-8")
         alone = f"a generated module alone, NumPy, n = {LINKS}"
         codes = {**IMPORTS, alone: f"import {Path(name).stem}"}
-        return _timed(codes, folder, rounds)
+        return _time_imports(codes, folder, rounds)
 
 
-def _timed(codes: dict[str, str], folder: str, rounds: int) -> list[Measurement]:
+def _time_imports(codes: dict[str, str], folder: str, rounds: int) -> list[Measurement]:
     start, failures = "", dict[str, str]()
     path = os.pathsep.join(filter(None, [folder, os.environ.get("PYTHONPATH", "")]))
     seconds: dict[str, list[float]] = {name: [] for name in ["", *codes]}
@@ -97,17 +97,17 @@ def sizes(find: Find = distribution) -> list[Measurement]:
     own = find(NAME)
     extras = sorted(own.metadata.get_all("Provides-Extra") or [])
     rows = [_row("rodgen itself", bytes=own_bytes(own))]
-    plain = needed(NAME, frozenset(), find)
+    plain = dependencies(NAME, frozenset(), find)
     rows.append(_sum("rodgen with what it needs", plain, find))
     for extra in extras:
-        whole = needed(NAME, frozenset({extra}), find)
+        whole = dependencies(NAME, frozenset({extra}), find)
         rows.append(_sum(f"rodgen[{extra}] with what it needs", whole, find))
         rows.append(_sum(f"what [{extra}] adds", whole - plain, find))
     rows += [_sum(name, {name}, find) for name in sorted(plain - {NAME})]
     return rows
 
 
-def needed(name: str, extras: frozenset[str], find: Find = distribution) -> set[str]:
+def dependencies(name: str, extras: frozenset[str], find: Find = distribution) -> set[str]:
     """Names of a distribution and all that it requires, directly or not, extras followed."""
     seen: set[tuple[str, frozenset[str]]] = set()
     open_ = [(str(canonicalize_name(name)), extras)]
@@ -116,12 +116,12 @@ def needed(name: str, extras: frozenset[str], find: Find = distribution) -> set[
         if at not in seen:
             seen.add(at)
             with suppress(PackageNotFoundError):
-                open_ += required(find(at[0]), at[1])
+                open_ += requirements(find(at[0]), at[1])
     return {name for name, _ in seen}
 
 
-def required(own: Distribution, extras: frozenset[str]) -> Iterator[tuple[str, frozenset[str]]]:
-    """What a distribution requires with some of its extras, by name and extras of theirs."""
+def requirements(own: Distribution, extras: frozenset[str]) -> Iterator[tuple[str, frozenset[str]]]:
+    """Yield what a distribution requires with some of its extras, by name and extras of theirs."""
     for one in map(Requirement, own.requires or []):
         holds = one.marker is None or any(
             one.marker.evaluate({"extra": extra}) for extra in extras or {""}

@@ -1,4 +1,4 @@
-"""What a module saves that holds only what its scene needs.
+"""Savings of a module that holds only what its scene needs.
 
 Beside it one that has every load, those that the scene lacks with coefficients of zero; how the
 rod is held stays. Both must give the same motion to rounding, or the row says that they do not.
@@ -26,8 +26,8 @@ from rodgen.loading import sources
 from rodgen.scene import Scene
 from rodgen_evidence.report.cases import Case
 from rodgen_evidence.report.costs.cold import cold, environment, scratch
-from rodgen_evidence.report.costs.rod import Array
-from rodgen_evidence.report.timing import calls, interleaved
+from rodgen_evidence.report.costs.cost_rows import Array
+from rodgen_evidence.report.interleaved_timing import calls, time_in_turns
 from rodgen_evidence.report.unit import Unit
 
 PLAIN, WHOLE = "as the scene", "every term, at zero"
@@ -63,7 +63,7 @@ def units(cases: Sequence[Case], quick: bool, *_: object) -> list[Unit]:
         Unit(
             "leaving_out",
             f"leaving_out-{some[0].name}",
-            f"{__name__}:saved",
+            f"{__name__}:measure_savings",
             {"scenes": [case.scene for case in some], "quick": quick},
             limit=LIMIT,
         )
@@ -88,8 +88,8 @@ def with_every_term(table: dict[str, Any]) -> dict[str, Any]:
     return whole
 
 
-def saved(scenes: Sequence[dict[str, Any]], quick: bool = False) -> list[Measurement]:
-    """Rows of scenes that have one structure."""
+def measure_savings(scenes: Sequence[dict[str, Any]], quick: bool = False) -> list[Measurement]:
+    """Measure the savings of scenes that have one structure."""
     variants = {PLAIN: scenes[0], WHOLE: with_every_term(scenes[0])}
     with ExitStack() as stack, ThreadPoolExecutor(min(2, os.cpu_count() or 1)) as pool:
         # Side by side, a core for each: what disturbs one disturbs the other.
@@ -101,7 +101,7 @@ def saved(scenes: Sequence[dict[str, Any]], quick: bool = False) -> list[Measure
             return [empty(s, v, failed=describe_error(error)) for s in scenes for v in variants]
         models = {v: made_model for v, (_, made_model) in made.items()}
         sizes = {v: size for v, (size, _) in made.items()}
-        return [row for table in scenes for row in compared(table, models, sizes, quick)]
+        return [row for table in scenes for row in compare_modules(table, models, sizes, quick)]
 
 
 def empty(table: dict[str, Any], variant: str, **more: Any) -> Measurement:
@@ -130,10 +130,10 @@ def set_up(
     return sizes, model
 
 
-def compared(
+def compare_modules(
     table: dict[str, Any], models: dict[str, ModuleType], sizes: dict[str, Measurement], quick: bool
 ) -> list[Measurement]:
-    """Both modules on one scene, which are timed in turns."""
+    """Compare both modules on one scene, timed in turns."""
     table = table | {"events": []}
     scenes = {PLAIN: Scene.from_dict(table), WHOLE: Scene.from_dict(with_every_term(table))}
     found: dict[str, Any] = {"failed": ""}
@@ -170,8 +170,8 @@ def job(scene: Scene, model: ModuleType) -> dict[str, dict[str, Any]]:
 def difference(
     scenes: dict[str, Scene], models: dict[str, ModuleType], how: dict[str, Any]
 ) -> tuple[float, float]:
-    """Of both modules, relative: of the rates at the start and at a state far from it, and of the
-    states at the end of a run."""
+    """Relative differences of both modules: of the rates at the start and at a state far from it,
+    and of the states at the end of a run."""
     y = scenes[PLAIN].initial_state()
     far = y + 0.5 * np.random.default_rng(1).standard_normal(len(y))
     t = scenes[PLAIN].integrate.span[0]
@@ -207,15 +207,15 @@ def _rates(
         p = model.parameters(**scenes[variant].parameters)
         given = (y, p, np.empty_like(y)) if hasattr(model, "COMPILED") else (y, p)
         batches[variant] = calls(partial(model.rhs, scenes[PLAIN].integrate.span[0], *given))
-    return interleaved(batches, 3 * rounds)
+    return time_in_turns(batches, 3 * rounds)
 
 
 def _runs(
     scenes: dict[str, Scene], models: dict[str, ModuleType], how: dict[str, Any], rounds: int
 ) -> dict[str, float]:
-    """Of rodgen.simulate as a whole."""
+    """Seconds of rodgen.simulate as a whole, by variant."""
     batches = {
         variant: calls(partial(rodgen.simulate, scenes[variant], model=model, **how))
         for variant, model in models.items()
     }
-    return interleaved(batches, rounds)
+    return time_in_turns(batches, rounds)

@@ -14,21 +14,21 @@ import rodgen
 from rodgen.analyse.precision.contestant import Measurement, describe_error
 from rodgen.loading import sources
 from rodgen_evidence.report.costs.cold import cold, environment, scratch
-from rodgen_evidence.report.costs.rod import (
+from rodgen_evidence.report.costs.cost_rows import (
     THRUST,
     Array,
     built,
-    compared,
-    packed,
+    compare_costs,
+    parameter_vector,
     row,
     scene,
     state,
 )
+from rodgen_evidence.report.interleaved_timing import Batch, calls
 from rodgen_evidence.report.peers import prepare
-from rodgen_evidence.report.peers.native import Native, compiled
-from rodgen_evidence.report.peers.peer import checked, difference
+from rodgen_evidence.report.peers.native import Native, compile_function
+from rodgen_evidence.report.peers.peer import check_difference, difference
 from rodgen_evidence.report.surroundings import flags
-from rodgen_evidence.report.timing import Batch, calls
 
 MOST_DENSE, MOST_JAC, MOST_NUMPY_JAC = 500, 2000, 500  # links that do not take seconds a call
 AT_ONCE = 64  # states of a batch
@@ -46,7 +46,7 @@ def set_up(links: int, quick: bool) -> tuple[list[Measurement], ModuleType]:
 
 def rates(links: int, module: ModuleType, quick: bool) -> list[Measurement]:
     """Rates at a state, in all forms."""
-    y, p = state(links), packed(module)
+    y, p = state(links), parameter_vector(module)
     out = np.empty_like(y)
     made: dict[str, Callable[[], Batch]] = {
         "rodgen C": lambda: calls(partial(module.rhs, 0.0, y, p, out)),
@@ -56,7 +56,7 @@ def rates(links: int, module: ModuleType, quick: bool) -> list[Measurement]:
     }
     if links <= MOST_DENSE:
         made["rodgen NumPy, dense"] = lambda: _numpy(links, "dense", y)
-    return compared("rhs", links, made, quick)
+    return compare_costs("rhs", links, made, quick)
 
 
 @lru_cache(maxsize=2)
@@ -66,7 +66,7 @@ def native(links: int, nonuniform: tuple[str, ...] = ()) -> Native:
     texts = sources(rodgen.Structure(links, terms=THRUST, nonuniform=nonuniform), "c")
     files = {name: text for name, text in texts.items() if name.endswith((".c", ".h"))}
     source = min(files)  # the .c before the .h
-    return compiled(files, f"{Path(source).stem}_rhs", flags().split())
+    return compile_function(files, f"{Path(source).stem}_rhs", flags().split())
 
 
 def _batch(module: ModuleType, y: Array, p: Array) -> Batch:
@@ -79,18 +79,18 @@ def _batch(module: ModuleType, y: Array, p: Array) -> Batch:
 
 def _numpy(links: int, form: str, y: Array, function: str = "rhs") -> Batch:
     module = built(links, THRUST, "numpy", form)
-    return calls(partial(getattr(module, function), 0.0, y, packed(module)))
+    return calls(partial(getattr(module, function), 0.0, y, parameter_vector(module)))
 
 
 def jacobians(links: int, module: ModuleType, quick: bool) -> list[Measurement]:
     """Exact Jacobians, dense as they are."""
-    y, p = state(links), packed(module)
+    y, p = state(links), parameter_vector(module)
     made: dict[str, Callable[[], Batch]] = {}
     if links <= MOST_JAC:
         made["rodgen C"] = lambda: calls(partial(module.jac, 0.0, y, p))
     if links <= MOST_NUMPY_JAC:
         made["rodgen NumPy"] = lambda: _numpy(links, "chain", y, "jac")
-    return compared("jacobian", links, made, quick)
+    return compare_costs("jacobian", links, made, quick)
 
 
 PATIENCE = 4.0  # s of set-up, after which more links are not tried
@@ -107,7 +107,7 @@ def of_peer(name: str, links: Sequence[int], quick: bool = False) -> list[Measur
             continue
         start = time.perf_counter()
         try:
-            rows.append(_measured(name, n, quick))
+            rows.append(_measure(name, n, quick))
         except Exception as error:  # another's library may fail in any way
             rows.append(row("rhs", name, n, failed=describe_error(error)))
         taken = time.perf_counter() - start
@@ -116,8 +116,8 @@ def of_peer(name: str, links: Sequence[int], quick: bool = False) -> list[Measur
     return rows
 
 
-def _measured(name: str, links: int, quick: bool) -> Measurement:
-    """Ours takes turns with the peer, so that both see the same machine; it has its row already.
+def _measure(name: str, links: int, quick: bool) -> Measurement:
+    """Measure a peer in turns with rodgen, so that both see the same machine; return its row.
 
     Raises ArithmeticError where the peer's rates are not ours.
     """
@@ -125,9 +125,9 @@ def _measured(name: str, links: int, quick: bool) -> Measurement:
     peer = prepare(name, links)
     setup = time.perf_counter() - start
     module, y = built(links, THRUST), state(links)
-    p, out = packed(module), np.empty_like(y)
+    p, out = parameter_vector(module), np.empty_like(y)
     half = len(y) // 2
-    checked(difference(np.asarray(peer.rhs(y))[half:], module.rhs(0.0, y, p)[half:]))
+    check_difference(difference(np.asarray(peer.rhs(y))[half:], module.rhs(0.0, y, p)[half:]))
     both = {name: lambda: peer.batch, "": lambda: calls(partial(module.rhs, 0.0, y, p, out))}
-    made = compared("rhs", links, both, quick)
+    made = compare_costs("rhs", links, both, quick)
     return next(one for one in made if one["who"] == name) | {"setup": setup}

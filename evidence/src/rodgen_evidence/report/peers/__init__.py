@@ -1,4 +1,4 @@
-"""What a user would take instead, each on its own natural formulation of the scene."""
+"""Other libraries that users may take, each on its own natural formulation of the scene."""
 
 from __future__ import annotations
 
@@ -9,27 +9,34 @@ from typing import Any, NamedTuple
 from rodgen.analyse.precision import method_families
 from rodgen.analyse.precision.contestant import Contestant
 from rodgen.analyse.precision.job import Job
-from rodgen_evidence.report.peers.peer import Prepared
+from rodgen_evidence.report.peers.peer import Peer, Prepared
 
 
 class Library(NamedTuple):
-    """package: what is imported for it; module: where it is taken in, which has a Peer called Rod
-    for its methods, and a function prepare(links) for the rates of the rod of the costs."""
+    """A library that users would take instead of rodgen.
+
+    package: what is imported for it; module: which has its Peer for its methods, and a function
+    prepare(links) for the rates of the rod of the costs; peer: name of the Peer.
+    """
 
     package: str
     module: str
+    peer: str = ""
     methods: tuple[str, ...] = ()
     rates: str = ""
 
 
 LIBRARIES = {
-    "SciPy": Library("scipy", "", ("DOP853", "RK45", "Radau", "BDF", "LSODA")),
-    "CVODE": Library("sksundae", "cvode", ("Adams", "BDF")),
-    "heyoka": Library("heyoka", "heyoka_rod", ("Taylor",)),
-    "MuJoCo": Library("mujoco", "mujoco_rod", ("Euler", "implicitfast", "RK4"), "mj_forward"),
-    "Exudyn": Library("exudyn", "exudyn_rod", ("generalized-alpha", "RK44")),
+    "SciPy": Library("scipy", "", "", ("DOP853", "RK45", "Radau", "BDF", "LSODA")),
+    "CVODE": Library("sksundae", "cvode", "CvodeRod", ("Adams", "BDF")),
+    "heyoka": Library("heyoka", "heyoka_rod", "HeyokaRod", ("Taylor",)),
+    "MuJoCo": Library(
+        "mujoco", "mujoco_rod", "MujocoRod", ("Euler", "implicitfast", "RK4"), "mj_forward"
+    ),
+    "Exudyn": Library("exudyn", "exudyn_rod", "ExudynRod", ("generalized-alpha", "RK44")),
     "CasADi": Library(
-        *("casadi", "casadi_rod", ("CVODES BDF", "CVODES Adams", "IDAS", "collocation")),
+        *("casadi", "casadi_rod", "CasadiRod"),
+        ("CVODES BDF", "CVODES Adams", "IDAS", "collocation"),
         "generated C",
     ),
     "Numba": Library("numba", "numba_rod", rates="by hand"),
@@ -50,7 +57,8 @@ def family(name: str, job: Job, quick: bool = False) -> Iterator[Contestant]:
     if who == "SciPy":
         settings: Iterator[Contestant] = getattr(method_families, method.lower())(job, quick)
         return settings
-    return iter(_module(who).Rod.family(job, method, quick))
+    peer: type[Peer] = getattr(_module(who), LIBRARIES[who].peer)
+    return iter(peer.family(job, method, quick))
 
 
 def prepare(name: str, links: int) -> Prepared:

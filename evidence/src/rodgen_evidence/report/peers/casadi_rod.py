@@ -1,4 +1,4 @@
-"""CasADi: the O(n) expressions of chain.py, unrolled, with its own exact Jacobian.
+"""CasADi: the O(n) expressions of chain_accelerations.py, unrolled, with its own exact Jacobian.
 
 Its integrators are each a single call from the start of a stretch to its end; its generated C is
 compiled and called from C.
@@ -19,8 +19,8 @@ import rodgen
 from rodgen.analyse.precision.job import SAMPLES, Job, Stretch
 from rodgen.analyse.precision.method_families import SHARE, scipy_tolerances
 from rodgen.arrays import Array
-from rodgen_evidence.report.peers import chain, loads
-from rodgen_evidence.report.peers.native import FLAGS, compiled
+from rodgen_evidence.report.peers import chain_accelerations, loads
+from rodgen_evidence.report.peers.native import FLAGS, compile_function
 from rodgen_evidence.report.peers.peer import Over, Peer, Prepared, at_most, rod, steps
 
 ADAMS = {"linear_multistep_method": "adams", "nonlinear_solver_iteration": "functional"}
@@ -35,13 +35,13 @@ METHODS: dict[str, tuple[str, dict[str, Any]]] = {
     "collocation": ("collocation", RADAU),
 }
 COUNTS = {
-    "steps": "nsteps",
+    "nsteps": "nsteps",
     "rejected": "netfails",
-    "rhs": "nfevals",
-    "factorisations": "nlinsetups",
+    "nfev": "nfevals",
+    "nlu": "nlinsetups",
 }
 FUNCTIONS = {name: getattr(ca, name) for name in loads.NAMES}
-SYMBOLS = chain.Algebra(
+SYMBOLS = chain_accelerations.Algebra(
     *(ca.cos, ca.sin, ca.sqrt, ca.fabs), lambda square: ca.if_else(square > 0, square, 1.0)
 )
 
@@ -53,16 +53,18 @@ def equations(scene: rodgen.Scene, middle: float) -> dict[str, Any]:
     x, t = ca.SX.sym("x", 2 * half), ca.SX.sym("t")
     entries = ca.vertsplit(x)
     given = loads.parameters(scene, middle, FUNCTIONS)(t)
-    found = chain.accelerations(scene.structure, given, entries[:half], entries[half:], SYMBOLS)
+    found = chain_accelerations.accelerations(
+        scene.structure, given, entries[:half], entries[half:], SYMBOLS
+    )
     return {"t": t, "x": x, "ode": ca.vertcat(x[half:], *found)}
 
 
-class Rod(Peer):
+class CasadiRod(Peer):
     """Backward differences or Adams methods by CVODES, backward differences for implicit equations
     by IDAS, collocation in elements of one length, of which every sample has at least one."""
 
     who = target = "CasADi"
-    knows = (*chain.KNOWN, "external_damping")
+    knows = (*chain_accelerations.KNOWN, "external_damping")
     orders = {"collocation": 5.0}
     # Of these the set-up takes seconds.
     most = {"CVODES BDF": 100, "CVODES Adams": 100, "IDAS": 100, "collocation": 20}
@@ -80,7 +82,7 @@ class Rod(Peer):
 
     @property
     def name(self) -> str:
-        """With the points of the collocation."""
+        """Name of the method, with the points of the collocation."""
         return "collocation, Radau 5" if self.method == "collocation" else self.method
 
     def settings(self, quick: bool) -> Iterator[float]:
@@ -91,8 +93,8 @@ class Rod(Peer):
             steps(self.job, (last - first) / SAMPLES, quick) if fixed else scipy_tolerances(quick)
         )
 
-    def prepared(self, setting: float) -> Over:
-        """With an integrator for every stretch."""
+    def integrator(self, setting: float) -> Over:
+        """Create an integrator for every stretch."""
         begin = time.perf_counter()
         solvers = {
             part.first: ca.integrator(
@@ -120,7 +122,7 @@ class Rod(Peer):
         return {"reltol": setting, "abstol": SHARE * setting, "max_num_steps": MOST}
 
     def accelerations(self, t: float, y: Array) -> Array:
-        """By a function of the expressions of the stretch."""
+        """Accelerations by a function of the expressions of the stretch."""
         made = next(self.made[part.first] for part in self.parts if t <= part.last)
         rates = ca.Function("rates", [made["t"], made["x"]], [made["ode"]])(t, y).full()
         return np.ravel(rates)[len(y) // 2 :]
@@ -153,7 +155,7 @@ def prepare(links: int) -> Prepared:
     with tempfile.TemporaryDirectory() as folder:
         generator.generate(f"{folder}/")
         text = Path(folder, "generated.c").read_text()
-    native = compiled({"caller.c": CALLER % sizes, "generated.h": text}, "caller", FLAGS)
+    native = compile_function({"caller.c": CALLER % sizes, "generated.h": text}, "caller", FLAGS)
     last, nothing = np.zeros(2 * links + 4), np.zeros(1)
 
     def rhs(given: Array) -> Array:

@@ -20,7 +20,7 @@ from rodgen_evidence.report.peers.peer import Over, Peer
 MOST = 2**31 - 1  # steps between two samples
 
 
-class Rod(Peer):
+class CvodeRod(Peer):
     """Adams methods of orders 1 to 12, or backward differences of orders 1 to 5."""
 
     who, target = "CVODE", "rodgen's c"
@@ -30,16 +30,16 @@ class Rod(Peer):
         """Relative tolerances."""
         return scipy_tolerances(quick)
 
-    def prepared(self, setting: float) -> Over:
-        """With the solver begun anew in every stretch."""
+    def integrator(self, setting: float) -> Over:
+        """Create a solver that begins anew in every stretch."""
         asked = CountedRates(self.job)
 
         def rhs(t: float, y: Array, out: Array) -> None:
-            self.counts["rhs"] += 1
+            self.counts["nfev"] += 1
             asked.rhs(t, y, out)
 
         def jac(t: float, y: Array, _: Array, out: Array) -> None:
-            self.counts["jacobian"] += 1
+            self.counts["njev"] += 1
             out[:] = asked.jac(t, y)
 
         def over(stretch: Stretch, y: Array) -> Array:

@@ -28,7 +28,7 @@ MARGIN = 1e-6  # of a sample's distance, by which it may be missed
 SOLVERS = {"generalized-alpha": "GeneralizedAlpha", "RK44": "RK44"}
 
 
-class Rod(Peer):
+class ExudynRod(Peer):
     """The generalized-alpha method, Exudyn's own choice, with its spectral radius of 0.9; and the
     classical Runge-Kutta method of fourth order."""
 
@@ -100,10 +100,10 @@ class Rod(Peer):
                 given = {} if scene.time_dependent_loads else {"loadVector": self._force(term, 0.0)}
                 load = items.LoadForceVector(markerNumber=tail, bodyFixed=follows, **given)
                 if scene.time_dependent_loads:
-                    load.loadVectorUserFunction = self._called(term)
+                    load.loadVectorUserFunction = self._force_function(term)
                 self.system.AddLoad(load)
 
-    def _called(self, term: str) -> Any:
+    def _force_function(self, term: str) -> Any:
         def force(_: Any, t: float, __: Any) -> list[float]:
             Deadline.check()
             return self._force(term, t)
@@ -132,15 +132,15 @@ class Rod(Peer):
         data.SetODE2Coordinates_t(u, initial)
 
     def settings(self, quick: bool) -> Iterator[float]:
-        """Of the implicit method from the time between two samples on."""
+        """Yield steps; of the implicit method from the time between two samples on."""
         first, last = self.job.span
         longest = (last - first) / SAMPLES
         if self.method == "RK44":
             longest = stable(2.8, fastest(self.job).rate)
         return steps(self.job, longest, quick)
 
-    def prepared(self, setting: float) -> Over:
-        """In calls of Exudyn's from sample to sample as far as they are at one distance."""
+    def integrator(self, setting: float) -> Over:
+        """Integrate by calls of Exudyn, each over samples that are at one distance."""
 
         def over(stretch: Stretch, y: Array) -> Array:
             self.enter(stretch, y)
@@ -160,12 +160,12 @@ class Rod(Peer):
         kind = getattr(exu.DynamicSolverType, SOLVERS[self.method])
         if not self.system.SolveDynamic(settings, solverType=kind, showHints=False):
             raise ArithmeticError("Exudyn did not come to the end")
-        self.counts["steps"] += each * len(times)
-        states = self._stored(times, MARGIN * distance)
+        self.counts["nsteps"] += each * len(times)
+        states = self._stored_states(times, MARGIN * distance)
         self.y = states[-1]
         return states
 
-    def _stored(self, times: Array, margin: float) -> Array:
+    def _stored_states(self, times: Array, margin: float) -> Array:
         q, u = (self.system.GetSensorStoredData(sensor) for sensor in self.sensors)
         rows = np.searchsorted(q[:, 0], times - margin)
         if rows[-1] >= len(q) or np.abs(q[rows, 0] - times).max() > margin:

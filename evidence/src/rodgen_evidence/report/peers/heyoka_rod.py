@@ -1,4 +1,4 @@
-"""heyoka: Taylor series of high order, compiled for the O(n) expressions of chain.py.
+"""heyoka: Taylor series of high order, compiled for the O(n) expressions of chain_accelerations.py.
 
 In its compact mode, of loops over functions: straight code is several times faster to run, and
 takes minutes to compile.
@@ -17,25 +17,25 @@ import numpy as np
 from rodgen.analyse.precision.contestant import Deadline, NotModelledError
 from rodgen.analyse.precision.job import Job, Stretch
 from rodgen.arrays import Array
-from rodgen_evidence.report.peers import chain, loads
+from rodgen_evidence.report.peers import chain_accelerations, loads
 from rodgen_evidence.report.peers.peer import Over, Peer
 
 TOLERANCES = (1e-5, 1e-10, 1e-15)  # of one step; each is compiled anew, in 20 s of 50 links
 IN_SHORT = (1e-6, 1e-12)
 SHORT = 20  # links up to which there is time for all
-SYMBOLS = chain.Algebra(hy.cos, hy.sin)
+SYMBOLS = chain_accelerations.Algebra(hy.cos, hy.sin)
 FUNCTIONS = {name: getattr(hy, name) for name in loads.NAMES}
 hy.llvm_state.set_diskcache_enabled(False)  # set-up is that of a first compilation
 
 Equations = list[tuple[Any, Any]]
 
 
-class Rod(Peer):
+class HeyokaRod(Peer):
     """The order follows from the tolerance."""
 
     who = target = "heyoka"
     most, why = 60, "expressions take longer than a minute to compile"
-    knows = chain.KNOWN
+    knows = chain_accelerations.KNOWN
 
     def __init__(self, job: Job, method: str):
         super().__init__(job, method)
@@ -50,7 +50,7 @@ class Rod(Peer):
 
     @property
     def name(self) -> str:
-        """With the mode."""
+        """Name of the method, with the mode."""
         return "Taylor, compact"
 
     @property
@@ -62,8 +62,8 @@ class Rod(Peer):
         """Tolerances of a step."""
         return iter(IN_SHORT if quick or self.job.scene.rod.links > SHORT else TOLERANCES)
 
-    def prepared(self, setting: float) -> Over:
-        """Compiled for every stretch."""
+    def integrator(self, setting: float) -> Over:
+        """Compile a Taylor integrator for every stretch."""
         hy.llvm_state.clear_memcache()
         begin, parts = time.perf_counter(), self.job.stretches
         written = [equations(self.job, stretch.middle) for stretch in parts]
@@ -86,13 +86,13 @@ class Rod(Peer):
             outcome, _, _, count, _, states = one.propagate_grid(grid, callback=look)
             if outcome != hy.taylor_outcome.time_limit:
                 raise ArithmeticError(str(outcome))
-            self.counts["steps"] += count
+            self.counts["nsteps"] += count
             return np.array(states[1:])
 
         return over
 
     def accelerations(self, t: float, y: Array) -> Array:
-        """By functions that are compiled once for every stretch."""
+        """Accelerations by functions that are compiled once for every stretch."""
         one = self.function(t)
         rates: Array = one(y, time=t) if one.is_time_dependent else one(y)
         return rates
@@ -109,5 +109,5 @@ def equations(job: Job, middle: float) -> Equations:
         hy.make_vars(*(f"{name}{i}" for i in range(len(job.initial_state) // 2))) for name in "qu"
     )
     given = loads.parameters(job.scene, middle, FUNCTIONS)(hy.time)
-    rates = chain.accelerations(job.scene.structure, given, q, u, SYMBOLS)
+    rates = chain_accelerations.accelerations(job.scene.structure, given, q, u, SYMBOLS)
     return list(zip([*q, *u], [*u, *rates], strict=True))

@@ -14,6 +14,7 @@ import rodgen
 from rodgen.analyse.precision.contestant import Deadline
 from rodgen.analyse.precision.job import Job, Stretch
 from rodgen.arrays import Array
+from rodgen_evidence.report.interleaved_timing import calls
 from rodgen_evidence.report.peers import loads
 from rodgen_evidence.report.peers.peer import (
     Over,
@@ -27,7 +28,6 @@ from rodgen_evidence.report.peers.peer import (
     whole_steps,
 )
 from rodgen_evidence.report.peers.tree import KNOWN, Tree
-from rodgen_evidence.report.timing import calls
 
 mujoco.set_mju_user_warning(lambda _: None)  # else a file of warnings is left behind
 
@@ -88,7 +88,7 @@ def driven(scene: rodgen.Scene) -> list[str]:
     return [name for name in ACTUATORS if name in scene.loads.parameters]
 
 
-class Rod(Peer):
+class MujocoRod(Peer):
     """Euler: semi-implicit, MuJoCo's own choice, implicit in the damping of joints; implicitfast:
     implicit in all forces that depend on velocities, but for those of Coriolis; RK4."""
 
@@ -119,30 +119,32 @@ class Rod(Peer):
         given = self.given(self.stretch.clip(t))
         self.data.ctrl[:] = [given[name] for name in self.driven]
 
-    def called(self, _: mujoco.MjModel, data: mujoco.MjData) -> None:
-        """For every evaluation: loads that change with time."""
+    def apply_loads(self, _: mujoco.MjModel, data: mujoco.MjData) -> None:
+        """Apply loads that change with time, in every evaluation."""
         Deadline.check()
         self.drive(data.time)
 
     def accelerations(self, t: float, y: Array) -> Array:
-        """By mj_forward."""
+        """Accelerations by mj_forward."""
         self.enter(Stretch(t - 1.0, t + 1.0, np.array([]), 0), t, y)
         mujoco.mj_forward(self.model, self.data)
         return self.tree.absolute(self.data.qacc)
 
     def settings(self, quick: bool) -> Iterator[float]:
-        """From the longest stable step on; Euler's limit is that of an oscillator undamped."""
+        """Yield steps from the longest stable one; Euler's is that of an undamped oscillator."""
         found = fastest(self.job)
         undamped = float(np.sqrt(abs(found.value * found.partner)))
         limit = stable(2.8, found.rate) if self.method == "RK4" else stable(2.0, undamped)
         return steps(self.job, limit, quick)
 
-    def prepared(self, setting: float) -> Over:
-        """Loads that change with time are called back."""
+    def integrator(self, setting: float) -> Over:
+        """Step from sample to sample; loads that change with time are called back."""
 
         def over(stretch: Stretch, y: Array) -> Array:
             self.enter(stretch, stretch.first, y)
-            mujoco.set_mjcb_control(self.called if self.job.scene.time_dependent_loads else None)
+            mujoco.set_mjcb_control(
+                self.apply_loads if self.job.scene.time_dependent_loads else None
+            )
             try:
                 times = pairwise([stretch.first, *stretch.times])
                 return np.array([self._step(*pair, setting) for pair in times])
@@ -160,14 +162,14 @@ class Rod(Peer):
         if not abs(data.time - at) <= 1e-6 * step * count:  # it starts anew from chaos
             raise ArithmeticError("unstable: MuJoCo started anew")
         data.time = at
-        self.counts["steps"] += count
+        self.counts["nsteps"] += count
         return np.concatenate([self.tree.absolute(half) for half in (data.qpos, data.qvel)])
 
 
 def prepare(links: int) -> Prepared:
     """The thrust is an actuator at a site on the tail, so MuJoCo turns it with the link."""
     at_most("MuJoCo", links, MOST_RATES, "full mass matrices are too slow")
-    one = Rod(Job("rod", rod(links)))
+    one = MujocoRod(Job("rod", rod(links)))
 
     def rhs(y: Array) -> Array:
         return np.concatenate([y[links + 2 :], one.accelerations(0.0, y)])

@@ -14,7 +14,7 @@ import numpy as np
 from rodgen.arrays import Array
 from rodgen.native.library import load_library
 from rodgen_evidence.report.costs.cold import environment, scratch
-from rodgen_evidence.report.timing import Batch
+from rodgen_evidence.report.interleaved_timing import Batch
 
 # Those of rodgen's that help unrolled code: -O3 and wider vectors measure the same there.
 FLAGS = ("-O2", "-march=native", "-ffp-contract=fast", "-fno-math-errno", "-fno-trapping-math")
@@ -60,8 +60,8 @@ class Native:
         return [self.ffi.from_buffer("double[]", array) for array in arrays]
 
 
-def compiled(texts: Mapping[str, str], name: str, flags: Sequence[str] = FLAGS) -> Native:
-    """A function of C files, compiled with these flags in an empty cache, and loaded.
+def compile_function(texts: Mapping[str, str], name: str, flags: Sequence[str] = FLAGS) -> Native:
+    """Compile a function of C files with these flags in an empty cache, and load it.
 
     Raises BuildError.
     """

@@ -9,8 +9,8 @@ import numpy as np
 from numba import njit
 
 from rodgen.arrays import Array
+from rodgen_evidence.report.interleaved_timing import calls
 from rodgen_evidence.report.peers.peer import Prepared, rod
-from rodgen_evidence.report.timing import calls
 
 NAMES = ("mass", "length", "bending_stiffness", "follower_force", "follower_angle")
 

@@ -28,8 +28,8 @@ from rodgen.analyse.precision.contestant import (
 from rodgen.analyse.precision.job import SAMPLES, Job, Stretch, integrate_stretches
 from rodgen.arrays import Array
 from rodgen.integrate.stability import Dominant, dominant
-from rodgen_evidence.report.costs.rod import VALUES, scene
-from rodgen_evidence.report.timing import Batch
+from rodgen_evidence.report.costs.cost_rows import VALUES, scene
+from rodgen_evidence.report.interleaved_timing import Batch
 
 AGREED = 1e-6  # relative: coordinates from link to link lose digits with n^4, 6e-10 at 50 links
 STATES = 3  # that are looked at in every stretch
@@ -75,16 +75,16 @@ class Peer(ABC):
             cls.why,
         )
         one = cls(job, method)
-        off = None if cls.knows is None else agreed(job, one.accelerations)
+        off = None if cls.knows is None else check_accelerations(job, one.accelerations)
         return (one.contestant(setting, off) for setting in one.settings(quick))
 
     def contestant(self, setting: float, off: float | None) -> Contestant:
         """A setting; off: how far the accelerations are from rodgen's."""
-        over = self.prepared(setting)
+        over = self.integrator(setting)
 
         def integrate() -> RunResult:
             self.counts.clear()
-            with stopped():
+            with stop_at_deadline():
                 y = integrate_stretches(self.job, over)
             if not np.isfinite(y).all():
                 raise ArithmeticError("states that are no numbers")
@@ -116,8 +116,8 @@ class Peer(ABC):
         """Steps [s] or tolerances, from loose to tight."""
 
     @abstractmethod
-    def prepared(self, setting: float) -> Over:
-        """What integrates over a stretch; what is compiled for the setting is so here."""
+    def integrator(self, setting: float) -> Over:
+        """Create the function that integrates over a stretch; compile what the setting needs."""
 
 
 def refuse(who: str, scene: rodgen.Scene, known: tuple[str, ...]) -> None:
@@ -136,8 +136,8 @@ def at_most(who: str, links: int, most: int, why: str) -> None:
 # Agreement -----------------------------------------------------------------------------------
 
 
-def agreed(job: Job, theirs: Accelerations) -> float:
-    """The largest relative difference from rodgen's, in every stretch of the loads.
+def check_accelerations(job: Job, theirs: Accelerations) -> float:
+    """Largest relative difference of accelerations from rodgen's, in every stretch of the loads.
 
     Raises ArithmeticError where it is beyond AGREED.
     """
@@ -146,11 +146,11 @@ def agreed(job: Job, theirs: Accelerations) -> float:
         for y in random_states(job.scene):
             ours = np.asarray(job.model.rhs(stretch.middle, y, job.p))[half:]
             worst = max(worst, difference(np.asarray(theirs(stretch.middle, y)), ours))
-    return checked(worst)
+    return check_difference(worst)
 
 
-def checked(off: float) -> float:
-    """A relative difference of accelerations. Raises ArithmeticError where it is beyond AGREED."""
+def check_difference(off: float) -> float:
+    """Raise ArithmeticError where a relative difference of accelerations is beyond AGREED."""
     if not off <= AGREED:
         raise ArithmeticError(f"the accelerations differ from rodgen's by {off:.1e}, relative")
     return off
@@ -189,7 +189,7 @@ def steps(job: Job, limit: float, quick: bool) -> Iterator[float]:
 
 
 def whole_steps(time: float, step: float) -> int:
-    """How many steps of at most that length make up a time."""
+    """Number of steps of at most that length that make up a time."""
     return max(1, ceil(time / step * (1 - 1e-9)))
 
 
@@ -219,7 +219,7 @@ WHY = "stopped, as it took too long"
 
 
 @contextmanager
-def stopped() -> Iterator[None]:
+def stop_at_deadline() -> Iterator[None]:
     """Raise TooSlowError at the deadline, from calls that ask Python for signals now and then."""
     alarms = hasattr(signal, "setitimer") and threading.current_thread() is threading.main_thread()
     if not alarms or not np.isfinite(Deadline.at):

@@ -9,9 +9,9 @@ import numpy as np
 import pinocchio as pin
 
 from rodgen.arrays import Array
+from rodgen_evidence.report.interleaved_timing import calls
 from rodgen_evidence.report.peers.peer import Prepared, rod
 from rodgen_evidence.report.peers.tree import Tree
-from rodgen_evidence.report.timing import calls
 
 
 def prepare(links: int) -> Prepared:

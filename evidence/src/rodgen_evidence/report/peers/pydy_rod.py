@@ -13,8 +13,8 @@ from pydy.codegen.ode_function_generators import generate_ode_function
 from sympy import Matrix, Symbol, cos, sin, symbols
 
 from rodgen.arrays import Array
+from rodgen_evidence.report.interleaved_timing import calls
 from rodgen_evidence.report.peers.peer import Prepared, at_most, rod
-from rodgen_evidence.report.timing import calls
 
 LARGEST = 10  # links
 NAMES = ("mass", "length", "bending_stiffness", "follower_force", "follower_angle")

@@ -13,7 +13,7 @@ import numpy as np
 
 import rodgen
 from rodgen.arrays import Array
-from rodgen_evidence.report.peers.chain import KNOWN as KNOWN
+from rodgen_evidence.report.peers.chain_accelerations import KNOWN as KNOWN
 
 
 @dataclass(frozen=True)

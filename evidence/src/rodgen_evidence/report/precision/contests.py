@@ -18,6 +18,7 @@ from rodgen.analyse.precision.contestant import (
 from rodgen.analyse.precision.job import Job
 from rodgen.analyse.precision.work_precision import Reference
 from rodgen.model.methods import ADAPTIVE, FIXED_STEP
+from rodgen.scene import Scene
 from rodgen_evidence.report import peers
 from rodgen_evidence.report.cases import Case
 from rodgen_evidence.report.costs.cold import setups
@@ -46,7 +47,7 @@ def _limits(quick: bool) -> Limits:
 def rodgens(name: str, table: dict[str, Any], folder: str, quick: bool) -> list[Measurement]:
     """All of rodgen's own methods on a scene."""
     try:
-        job, held = prepared(name, table, folder)
+        job, held = load_job(name, table, folder)
     except NoReferenceError as error:
         return [without(name, table, "rodgen", error)]
     rows: list[Measurement] = []
@@ -64,7 +65,7 @@ def of_peer(
 ) -> list[Measurement]:
     """Methods of a peer on a scene, by their names in rodgen_evidence.report.peers.FAMILIES."""
     try:
-        job, held = prepared(name, table, folder)
+        job, held = load_job(name, table, folder)
     except NoReferenceError as error:
         return [without(name, table, names[0].split()[0], error)]
     return [row for one in names for row in _of_method(job, held, quick, one)]
@@ -86,14 +87,14 @@ def _of_method(job: Job, held: Reference, quick: bool, name: str) -> list[Measur
 def known(
     scene: str, links: int, who: str, family: str = "", method: str = "", target: str = ""
 ) -> Measurement:
-    """What all rows of a family have in common; family: of a peer's, its name."""
+    """Entries that all rows of a family have in common; family: of a peer's, its name."""
     start: Measurement = {"scene": scene, "n": links, "family": family}
     return start | {"who": who, "method": method, "target": target}
 
 
-def prepared(name: str, table: dict[str, Any], folder: str) -> tuple[Job, Reference]:
-    """A job with its reference solution. Raises NoReferenceError."""
-    job = Job.of(name, table)
+def load_job(name: str, table: dict[str, Any], folder: str) -> tuple[Job, Reference]:
+    """Load a job with its reference solution. Raises NoReferenceError."""
+    job = Job.of(name, Scene.from_dict(table))
     return job, load(folder, name, table)
 
 
@@ -104,15 +105,15 @@ def without(name: str, table: dict[str, Any], who: str, why: NoReferenceError) -
 
 
 def label(job: Job, method: str, target: str, taken: dict[str, float]) -> Measurement:
-    """What all rows of a family of ours have in common; taken: seconds of making both modules, by
-    target and kind."""
+    """Entries that all rows of a family of rodgen's have in common; taken: seconds of making both
+    modules, by target and kind."""
     start = known(job.name, job.scene.rod.links, "rodgen", method=method, target=target)
     own = {k: v for k, v in taken.items() if k.startswith(f"{target}_")}
     return start | {f"setup_{k.removeprefix(f'{target}_')}": v for k, v in own.items()}
 
 
 def units(cases: Sequence[Case], quick: bool, folder: str | Path, *_: object) -> list[Unit]:
-    """Of every scene, one for rodgen's methods and one for every peer's."""
+    """Plan a unit for rodgen's methods and one for every peer's, of every scene."""
     planned: list[Unit] = []
     for case in cases:
         known = case.given(folder, quick=quick)

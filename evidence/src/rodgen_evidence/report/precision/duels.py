@@ -15,7 +15,7 @@ from rodgen.analyse.precision.contestant import Contestant, Deadline, Measuremen
 from rodgen.analyse.precision.job import Job, Measures
 from rodgen.analyse.precision.rows import find_cheapest
 from rodgen_evidence.report.cases import Case
-from rodgen_evidence.report.precision.contests import prepared
+from rodgen_evidence.report.precision.contests import load_job
 from rodgen_evidence.report.precision.references import NO_REFERENCE
 from rodgen_evidence.report.unit import Unit
 
@@ -45,7 +45,7 @@ def duel(
         sides = {"rodgen": mine, "every peer": theirs}
         who = " and ".join(who for who, side in sides.items() if not side)
         return [row | {"failed": why or f"{who} missed this error in the time of a run"}]
-    job, held = prepared(name, table, folder)
+    job, held = load_job(name, table, folder)
     pair = (_ours(job, mine), _theirs(job, theirs, quick))
     # The first run of each is not timed: it is held against the reference.
     errors = [_error(who, held.measures(job, who.method)) for who in pair]

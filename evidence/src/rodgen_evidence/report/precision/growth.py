@@ -1,4 +1,4 @@
-"""How errors grow over time, on a chaotic scene and on a regular one."""
+"""Growth of errors over time, on a chaotic scene and on a regular one."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from rodgen.analyse.precision.contestant import Measurement, describe_error
 from rodgen.analyse.precision.rows import has_result, read_number
 from rodgen.arrays import Array
 from rodgen_evidence.report.cases import Case
-from rodgen_evidence.report.precision.contests import prepared
+from rodgen_evidence.report.precision.contests import load_job
 from rodgen_evidence.report.precision.references import NO_REFERENCE, NoReferenceError
 from rodgen_evidence.report.unit import Unit
 
@@ -33,7 +33,7 @@ def growth(name: str, table: dict[str, Any], folder: str) -> list[Measurement]:
     nothing: Measurement = {"error": None, "rate": None, "failed": ""}
     known: Measurement = {"scene": name, "n": table["rod"]["links"], "t": None}
     try:
-        job, held = prepared(name, table, folder)
+        job, held = load_job(name, table, folder)
     except NoReferenceError as why:
         said = describe_error(f"{NO_REFERENCE}{why}")
         return [known | nothing | {"method": METHOD, "setting": None, "failed": said}]
@@ -70,7 +70,7 @@ def rate(times: Array, error: Array, off: Array) -> float | None:
 
 
 def units(cases: Sequence[Case], quick: bool, folder: str | Path, *_: object) -> list[Unit]:
-    """Of the chaotic scene and the first other one; of the first few where none is chaotic."""
+    """Plan units of the chaotic scene and the first other one, or of the first few scenes."""
     chaotic = [case for case in cases if case.name == CHAOTIC]
     others = [case for case in cases if case.name != CHAOTIC]
     return [

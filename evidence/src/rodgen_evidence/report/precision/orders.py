@@ -77,7 +77,7 @@ def finest(family: Iterable[Measurement], floor: float = FLOOR) -> float | None:
 
 def _between(family: list[Measurement], against: str, floor: float) -> Iterator[Points]:
     """Runs of neighbouring settings with errors between floor and ceiling, tightest run first."""
-    quantity = "rhs" if against == "rhs" else "setting"
+    quantity = "nfev" if against == "rhs" else "setting"
     run: Points = []
     for row in reversed(family):
         x, y = read_number(row, quantity), read_number(row, "error_phi")
@@ -91,7 +91,7 @@ def _between(family: list[Measurement], against: str, floor: float) -> Iterator[
 
 
 def _steady(run: Points, alike: float) -> Points:
-    """Its longest part in which slopes from point to point are alike, the first of several."""
+    """Longest part of a run in which slopes from point to point are alike, the first of several."""
     best: Points = []
     for start in range(len(run)):
         slopes: list[float] = []

@@ -14,6 +14,7 @@ import numpy as np
 from rodgen.analyse.precision.contestant import Measurement, describe_error
 from rodgen.analyse.precision.job import MEASURES, Job
 from rodgen.analyse.precision.work_precision import Reference, compute_reference
+from rodgen.scene import Scene
 from rodgen_evidence.report.cases import Case
 from rodgen_evidence.report.unit import Unit
 
@@ -23,7 +24,7 @@ NO_REFERENCE = "no reference: "  # how reasons begin where there is none
 COLUMNS = (
     *("method", "order", "tolerance"),
     *(name.replace("error_", "estimate_") for name in MEASURES),
-    *("checked_by", "check_phi", "rhs", "events"),
+    *("checked_by", "check_phi", "nfev", "events"),
 )
 
 
@@ -32,7 +33,7 @@ class NoReferenceError(RuntimeError):
 
 
 def load(folder: str | Path, name: str, table: dict[str, Any]) -> Reference:
-    """From the folder of references. Raises NoReferenceError with why there is none."""
+    """Load from the folder of references. Raises NoReferenceError with why there is none."""
     file, why = Path(folder) / f"{name}.npz", Path(folder) / f"{name}.txt"
     if why.exists():
         raise NoReferenceError(why.read_text(encoding="utf-8"))
@@ -46,7 +47,7 @@ def load(folder: str | Path, name: str, table: dict[str, Any]) -> Reference:
 
 
 def save(kept: Reference, folder: str | Path, name: str, table: dict[str, Any]) -> None:
-    """Into that folder, for that scene."""
+    """Save a reference into a folder, for a scene."""
     np.savez(
         Path(folder) / f"{name}.npz",
         scene=fingerprint(table),
@@ -59,11 +60,11 @@ def save(kept: Reference, folder: str | Path, name: str, table: dict[str, Any]) 
 
 
 def fingerprint(table: dict[str, Any]) -> str:
-    """Of a scene's tables."""
+    """Hash of a scene's tables."""
     return hashlib.sha256(json.dumps(table, sort_keys=True).encode()).hexdigest()
 
 
-def measured(
+def measure(
     name: str, table: dict[str, Any], folder: str, quick: bool = False
 ) -> list[Measurement]:
     """Make and keep the reference solution of a scene, with its own error estimate.
@@ -88,22 +89,22 @@ def measured(
 
 
 def _made(name: str, table: dict[str, Any], folder: str, quick: bool) -> Measurement:
-    """What is known of a reference solution that was made and kept."""
-    job = Job.of(name, table)
+    """Make and keep a reference solution; return the entries of its row."""
+    job = Job.of(name, Scene.from_dict(table))
     start = time.perf_counter()
     kept = compute_reference(job, QUICKLY if quick else SECONDS)
     seconds = time.perf_counter() - start
     row: Measurement = {"method": kept.method, "order": kept.order, "tolerance": kept.tolerance}
     row |= {key.replace("error_", "estimate_"): value for key, value in kept.estimate.items()}
     row |= {"checked_by": kept.checked_by, "check_phi": kept.estimate["error_phi"]}
-    row |= {"rhs": kept.rhs}
+    row |= {"nfev": kept.nfev}
     save(kept, folder, name, table)
     return row | {"seconds": seconds}
 
 
 def units(cases: Sequence[Case], quick: bool, folder: str | Path, *_: object) -> list[Unit]:
     """One for every scene; nothing of them is a measurement of time."""
-    here = f"{__name__}:measured"
+    here = f"{__name__}:measure"
     return [
         Unit(
             *("references", f"references-{case.name}", here, case.given(folder, quick=quick)),

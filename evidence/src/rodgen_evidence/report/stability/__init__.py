@@ -1,1 +1,1 @@
-"""Where numbers stop being right: largest steps, stiff and extreme cases, rounding."""
+"""Limits of what is right: largest steps, stiff and extreme cases, rounding."""

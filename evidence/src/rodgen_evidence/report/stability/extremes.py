@@ -12,7 +12,7 @@ import rodgen
 from rodgen.analyse.precision.contestant import Measurement
 from rodgen.errors import InputError
 from rodgen.integrate import RunError
-from rodgen_evidence.report.stability.extremes_case import Array, Tables, Truth
+from rodgen_evidence.report.stability.extremes_case import Array, Tables, TrueMotion
 from rodgen_evidence.report.stability.extremes_cases import GROUPS
 from rodgen_evidence.report.stability.extremes_run import (
     LOST,
@@ -25,7 +25,7 @@ from rodgen_evidence.report.stability.extremes_run import (
     judge,
     row,
 )
-from rodgen_evidence.report.stability.extremes_truth import N, loaded
+from rodgen_evidence.report.stability.extremes_truth import N, loaded_rod
 from rodgen_evidence.report.unit import Unit
 
 NONE = {"nan": float("nan"), "inf": float("inf"), "-inf": float("-inf")}
@@ -40,7 +40,7 @@ PLACES = (
 ROUTES = {"c": ("c", "chain"), "numpy": ("numpy", "chain"), "numpy dense": ("numpy", "dense")}
 
 
-NOTHING = Truth(np.empty(0), "what is no number must not become one")
+NOTHING = TrueMotion(np.empty(0), "what is no number must not become one")
 
 
 def invalid() -> list[Measurement]:
@@ -65,12 +65,12 @@ def _scenes() -> Iterator[Measurement]:
     given = [(place, name, value) for place in PLACES for name, value in NONE.items()]
     too_tight = (("integrate", "rtol"), "1e-15", 1e-15)
     for place, name, value in [*given, too_tight]:
-        yield _row(f"{'.'.join(place)} = {name}", "", "scene", _refused(place, value))
+        yield _row(f"{'.'.join(place)} = {name}", "", "scene", _refusal(place, value))
 
 
-def _refused(place: tuple[str, ...], value: float) -> Said:
+def _refusal(place: tuple[str, ...], value: float) -> Said:
     try:
-        rodgen.Scene.from_dict(_with(loaded(), place, value))
+        rodgen.Scene.from_dict(_with(loaded_rod(), place, value))
     except InputError as error:
         return Said(REFUSED, said=str(error))
     return Said(WRONG, said="the scene takes it")
@@ -78,7 +78,7 @@ def _refused(place: tuple[str, ...], value: float) -> Said:
 
 def _rates() -> Iterator[Measurement]:
     """rhs with one state or parameter that is no number: the rates are none, or those of it."""
-    scene = rodgen.Scene.from_dict(loaded())
+    scene = rodgen.Scene.from_dict(loaded_rod())
     for name, route in ROUTES.items():
         model = rodgen.build(scene, *route)
         p, y = model.parameters(**scene.parameters), scene.initial_state()
@@ -106,7 +106,7 @@ def _hides(model: ModuleType, what: str, value: float, y: Array, p: Array, at: i
 
 def _denormal() -> Iterator[Measurement]:
     """Denormal states are as good as zeros; denormal parameters are refused or are zeros."""
-    scene = rodgen.Scene.from_dict(loaded())
+    scene = rodgen.Scene.from_dict(loaded_rod())
     for name, route in ROUTES.items():
         model = rodgen.build(scene, *route)
         p, zero = model.parameters(**scene.parameters), np.zeros(len(model.STATE))
@@ -116,7 +116,7 @@ def _denormal() -> Iterator[Measurement]:
     for place in (*PLACES[:3], *PLACES[3:7]):
         for target in ("c", "numpy"):
             case = f"{'.'.join(place)} = 5e-324"
-            yield _row(case, target, "auto", _tiny(_with(loaded(), place, TINY), place, target))
+            yield _row(case, target, "auto", _tiny(_with(loaded_rod(), place, TINY), place, target))
 
 
 def _tiny(tables: Tables, place: tuple[str, ...], target: str) -> Said:
@@ -129,7 +129,7 @@ def _tiny(tables: Tables, place: tuple[str, ...], target: str) -> Said:
         return Said(STOPPED, said=str(error))
     if place[-1] in ("mass", "length"):
         return Said(LOST if not np.isfinite(tiny).all() else WRONG, said="the run was finished")
-    plain = _end(_with(loaded(), place, 0.0), target)
+    plain = _end(_with(loaded_rod(), place, 0.0), target)
     off = float(np.abs(tiny - plain).max() / np.abs(plain).max())
     return Said(RIGHT if off < 1e-6 else WRONG, digits(off), said="as with zero")
 

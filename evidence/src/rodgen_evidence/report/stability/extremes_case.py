@@ -24,7 +24,7 @@ ANGLES, RATES, PLACES, SPEEDS = KINDS
 
 
 @dataclass(frozen=True)
-class Truth:
+class TrueMotion:
     """States (samples, states) by a second route.
 
     error: its own estimate of its error, and condition: by how much errors of the start grow, both
@@ -39,7 +39,7 @@ class Truth:
 
 
 @dataclass(frozen=True)
-class Extreme:
+class ExtremeCase:
     """A case of the matrix.
 
     truth: from the scene to its states; who: the contestants, all if not given; quick: it is in the
@@ -48,7 +48,7 @@ class Extreme:
 
     name: str
     tables: Tables
-    truth: Callable[[rodgen.Scene], Truth]
+    truth: Callable[[rodgen.Scene], TrueMotion]
     who: Sequence[str] = ()
     quick: bool = False
     few: Sequence[str] = ()
@@ -64,7 +64,7 @@ class Extreme:
 
 @dataclass(frozen=True)
 class Measure:
-    """How far states are apart, kind by kind of state, relative to the motion's size."""
+    """Distance of states, kind by kind, relative to the motion's size."""
 
     scene: rodgen.Scene
     truth: Array
@@ -96,12 +96,12 @@ class Measure:
         theirs, ours = self.parts(self.truth), self.parts(y)
         return {kind: _largest(ours[kind] - theirs[kind]) / self.sizes[kind] for kind in KINDS}
 
-    def tolerated(self) -> dict[str, float]:
-        """What the tolerances allow in each kind in a step, over its size; of turned and shifted
-        rods the turns and the shift do not count."""
+    def allowances(self) -> dict[str, float]:
+        """Errors that the tolerances allow in each kind in a step, over its size; of turned and
+        shifted rods the turns and the shift do not count."""
         settings, parts = self.scene.integrate, self.parts(self.truth)
         most = {ANGLES: TURN, PLACES: self.sizes[PLACES], RATES: np.inf, SPEEDS: np.inf}
-        return self._carried(
+        return self._accumulate(
             {
                 kind: settings.rtol * min(_largest(parts[kind]), most[kind]) + settings.atol
                 for kind in KINDS
@@ -109,14 +109,14 @@ class Measure:
         )
 
     def rounding(self) -> dict[str, float]:
-        """What rounding of the states makes in each kind in a step, over its size."""
+        """Errors by rounding of the states in each kind in a step, over its size."""
         parts = self.parts(self.truth)
         step = {kind: 4 * EPS * _largest(parts[kind]) for kind in KINDS}
         step[RATES] += step[SPEEDS] / self.scene.rod.length  # as the drag rounds with the speed
-        return self._carried(step)
+        return self._accumulate(step)
 
-    def _carried(self, step: dict[str, float]) -> dict[str, float]:
-        """Errors of rates and speeds make errors of angles and places."""
+    def _accumulate(self, step: dict[str, float]) -> dict[str, float]:
+        """Add what errors of rates and speeds make of angles and places in time."""
         first, last = self.scene.integrate.span
         step[ANGLES] += (last - first) * step[RATES]
         step[PLACES] += (last - first) * step[SPEEDS]
@@ -136,7 +136,7 @@ def _expand(scene: rodgen.Scene, phi: Array, omega: Array, base: Array | None = 
     return np.concatenate((base[:, :2], q, base[:, 2:], u), axis=1)
 
 
-def rigid(scene: rodgen.Scene) -> Truth:
+def rigid(scene: rodgen.Scene) -> TrueMotion:
     """A straight uniform rod in free flight: its middle falls, and it turns steadily."""
     y0 = scene.initial_state()
     half, L = len(y0) // 2, scene.rod.length / 2
@@ -155,10 +155,12 @@ def rigid(scene: rodgen.Scene) -> Truth:
     speed = middle_v + np.stack((0 * t, -g * t), 1)
     speed = speed - L * rate * np.stack((-np.sin(phi), np.cos(phi)), 1)
     base = np.concatenate((place, speed), 1)
-    return Truth(_expand(scene, phi, np.full_like(t, rate), base), "free flight of a straight rod")
+    return TrueMotion(
+        _expand(scene, phi, np.full_like(t, rate), base), "free flight of a straight rod"
+    )
 
 
-def drifting(scene: rodgen.Scene) -> Truth:
+def drifting(scene: rodgen.Scene) -> TrueMotion:
     """All links along one line and moving alike against drag: v = v0 exp(-c |sin a| t)."""
     y0 = scene.initial_state()
     half = len(y0) // 2
@@ -172,10 +174,12 @@ def drifting(scene: rodgen.Scene) -> Truth:
     left = np.exp(-rate * t)[:, None]
     gone = (-np.expm1(-rate * t) / rate if rate else t)[:, None]
     base = np.concatenate((y0[:2] + v * gone, v * left), 1)
-    return Truth(_expand(scene, np.full_like(t, y0[2]), 0 * t, base), "decay against even drag")
+    return TrueMotion(
+        _expand(scene, np.full_like(t, y0[2]), 0 * t, base), "decay against even drag"
+    )
 
 
-def pendulum(scene: rodgen.Scene) -> Truth:
+def pendulum(scene: rodgen.Scene) -> TrueMotion:
     """A rod that stays straight on its pin, let go from rest: Jacobi's elliptic functions.
 
     Its springs give by about M g L^2/EI, of which the truth knows nothing.
@@ -195,10 +199,10 @@ def pendulum(scene: rodgen.Scene) -> Truth:
     along = scene.distribution
     bend = along.mass * g * rod.length**2 / along.mean_stiffness if n > 1 else 0.0
     y = _expand(scene, phi, omega)
-    return Truth(y, "a rigid pendulum, by elliptic functions", error=bend, positions=n > 1)
+    return TrueMotion(y, "a rigid pendulum, by elliptic functions", error=bend, positions=n > 1)
 
 
-def resting(scene: rodgen.Scene) -> Truth:
+def resting(scene: rodgen.Scene) -> TrueMotion:
     """Nothing moves."""
     y0 = scene.initial_state()
-    return Truth(np.tile(y0, (len(scene.integrate.sample_times), 1)), "equilibrium")
+    return TrueMotion(np.tile(y0, (len(scene.integrate.sample_times), 1)), "equilibrium")

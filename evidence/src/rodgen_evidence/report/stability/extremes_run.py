@@ -22,9 +22,9 @@ from rodgen_evidence.report.stability.extremes_case import (
     KINDS,
     RATES,
     SPEEDS,
-    Extreme,
+    ExtremeCase,
     Measure,
-    Truth,
+    TrueMotion,
 )
 
 RIGHT, STOPPED, REFUSED, WARNED, LOST, WRONG, UNFINISHED, UNSEEN = (
@@ -54,7 +54,7 @@ class Said:
     allowed: float | None = None
 
 
-def of_adaptive(truth: Truth, solution: Solution, warned: bool = False) -> Said:
+def of_adaptive(truth: TrueMotion, solution: Solution, warned: bool = False) -> Said:
     """Errors, kind by kind, beside what the tolerance asks for.
 
     Gauss's method promises places and angles alone, at every step: an error that a kink makes in
@@ -62,7 +62,7 @@ def of_adaptive(truth: Truth, solution: Solution, warned: bool = False) -> Said:
     """
     scene = solution.scene
     measure = Measure(scene, truth.y)
-    errors, asked = measure.errors(solution.y), measure.tolerated()
+    errors, asked = measure.errors(solution.y), measure.allowances()
     if scene.integrate.method == "gauss" or truth.positions:
         errors = {kind: e for kind, e in errors.items() if kind not in (RATES, SPEEDS)}
     off = max(errors.values())
@@ -85,8 +85,10 @@ def of_adaptive(truth: Truth, solution: Solution, warned: bool = False) -> Said:
     return Said(outcome, digits(off), text, allowed[worst])
 
 
-def of_fixed(truth: Truth, coarse: Solution, fine: Solution, warned: bool = False) -> Said:
-    """The error of a step, which a finer one must make less, down to rounding.
+def judge_fixed_step(
+    truth: TrueMotion, coarse: Solution, fine: Solution, warned: bool = False
+) -> Said:
+    """Judge the error of a step, which a finer one must make less, down to rounding.
 
     A fixed step has no error estimate: where the energy balance does not show the error either,
     it is unseen. Errors as large as the motion have no room to become less.
@@ -108,7 +110,7 @@ def of_fixed(truth: Truth, coarse: Solution, fine: Solution, warned: bool = Fals
     return Said(outcome, digits(a), how, allowed)
 
 
-def _unavoidable(truth: Truth, measure: Measure, slack: float = SLACK) -> dict[str, float]:
+def _unavoidable(truth: TrueMotion, measure: Measure, slack: float = SLACK) -> dict[str, float]:
     """Errors of the truth and of rounding, which no method can help."""
     rounding = measure.rounding()
     return {
@@ -137,7 +139,7 @@ def balance(solution: Solution) -> float:
 
 
 def digits(off: float) -> float:
-    """How many decimal digits are right, of at most 16."""
+    """Number of decimal digits that are right, at most 16."""
     return round(float(-np.log10(max(off, 1e-16))), 1) if np.isfinite(off) else 0.0
 
 
@@ -153,7 +155,7 @@ PATIENCE = {"c": 2.0, "numpy": 1.0}  # seconds of a run
 TIGHTEST = 1e-6  # the tightest relative tolerance of an implicit method on dense matrices
 
 
-def judge(case: Extreme, group: str = "", quick: bool = False) -> list[Measurement]:
+def judge(case: ExtremeCase, group: str = "", quick: bool = False) -> list[Measurement]:
     """A row for every contestant, of the short report or of the long one."""
     truth, rows = case.truth(case.scene), []
     for method, target in contestants(case, quick):
@@ -165,9 +167,9 @@ def judge(case: Extreme, group: str = "", quick: bool = False) -> list[Measureme
 
 
 def row(
-    case: tuple[str, str, int], said: Said, truth: Truth, method: str, target: str
+    case: tuple[str, str, int], said: Said, truth: TrueMotion, method: str, target: str
 ) -> Measurement:
-    """What happened with a method on a case, which is given by its group, name and links."""
+    """Row of a method on a case, which is given by its group, name and links."""
     group, name, links = case
     return {
         "group": group,
@@ -186,16 +188,16 @@ def row(
     }
 
 
-def contestants(case: Extreme, quick: bool = False) -> list[tuple[str, str]]:
-    """Those of the case."""
+def contestants(case: ExtremeCase, quick: bool = False) -> list[tuple[str, str]]:
+    """Methods and targets that are tried on a case."""
     asked = (case.few if quick else ()) or case.who
     return [who for who in ALL if not asked or f"{who[0]} {who[1]}" in asked]
 
 
 def verdict(
-    case: Extreme, truth: Truth, method: str, target: str, model: ModuleType | None = None
+    case: ExtremeCase, truth: TrueMotion, method: str, target: str, model: ModuleType | None = None
 ) -> Said:
-    """Of one run, or of two where the step is fixed: half the step must have less error.
+    """Judge one run, or two where the step is fixed: half the step must have less error.
 
     At a kink of the rates the error depends on where in a step it lies, and may grow by chance:
     an eighth of the step must then have less.
@@ -216,13 +218,13 @@ def verdict(
         fine = _run(case, model, {**settings, "step": step / part})
         if isinstance(fine, Said):
             return said if part > 2 else fine
-        said = of_fixed(truth, coarse[0], fine[0], warned=coarse[1])
+        said = judge_fixed_step(truth, coarse[0], fine[0], warned=coarse[1])
         if said.outcome != WRONG:
             break
     return said
 
 
-def fixed_step(case: Extreme, model: ModuleType, method: str, target: str) -> float:
+def fixed_step(case: ExtremeCase, model: ModuleType, method: str, target: str) -> float:
     """A fifth of the stable step, if so many are not too many."""
     scene = case.scene
     first, last = scene.integrate.span
@@ -238,7 +240,7 @@ def fixed_step(case: Extreme, model: ModuleType, method: str, target: str) -> fl
 
 
 def _run(
-    case: Extreme, model: ModuleType, settings: dict[str, Any]
+    case: ExtremeCase, model: ModuleType, settings: dict[str, Any]
 ) -> tuple[Solution, bool] | Said:
     """The solution, and whether it was warned of before."""
     most = PATIENCE[model.PROVENANCE["target"]]
@@ -270,6 +272,8 @@ def _doubts(heard: list[warnings.WarningMessage]) -> list[str]:
     return [str(doubt) for doubt in doubts if "turns" not in doubt.figures]
 
 
-def _adaptive(case: Extreme, truth: Truth, model: ModuleType, settings: dict[str, Any]) -> Said:
+def _adaptive(
+    case: ExtremeCase, truth: TrueMotion, model: ModuleType, settings: dict[str, Any]
+) -> Said:
     found = _run(case, model, settings)
     return found if isinstance(found, Said) else of_adaptive(truth, *found)

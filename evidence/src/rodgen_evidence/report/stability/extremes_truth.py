@@ -15,63 +15,63 @@ from rodgen.model.terms import THESIS_TERMS
 from rodgen_evidence.report.stability.extremes_case import (
     ANGLES,
     Array,
-    Extreme,
+    ExtremeCase,
     Measure,
     Tables,
-    Truth,
+    TrueMotion,
 )
 
-Route = Callable[[rodgen.Scene], Truth]
+Route = Callable[[rodgen.Scene], TrueMotion]
 NUDGE = 1e-6  # of the motion at most: the start is moved by it, far above the errors of a run
 TIGHT = 1e-13
 DENSE = "numpy", "dense"
 TERMS = (*THESIS_TERMS, "tip_load")  # of all cases
 
 
-def tight(scene: rodgen.Scene) -> Truth:
+def tight(scene: rodgen.Scene) -> TrueMotion:
     """SciPy's DOP853 at 1e-13 on the dense form, judged by our Radau at 1e-12 on the chain."""
     return _tight(scene.model_dump_json(exclude_none=True), "DOP853", TIGHT)
 
 
-def stiff(scene: rodgen.Scene) -> Truth:
+def stiff(scene: rodgen.Scene) -> TrueMotion:
     """SciPy's Radau at 1e-11 on the dense form, judged by ours at 1e-12 on the chain."""
     return _tight(scene.model_dump_json(exclude_none=True), "Radau", 1e-11)
 
 
-def switched(times: Sequence[float]) -> Route:
-    """Of loads that jump at these times and are smooth between: SciPy's DOP853 at 1e-13 from jump
-    to jump, judged by itself at 1e-11.
+def piecewise(times: Sequence[float]) -> Route:
+    """Route for loads that jump at these times: SciPy's DOP853 at 1e-13 from jump to jump, judged
+    by itself at 1e-11.
 
     Neither the scene's own break points nor rodgen's methods have a part in it.
     """
 
-    def truth(scene: rodgen.Scene) -> Truth:
+    def truth(scene: rodgen.Scene) -> TrueMotion:
         y0 = scene.initial_state()
         y, other = (_scipy(scene, y0, "DOP853", rtol, times) for rtol in (TIGHT, 1e-11))
-        return _judged(scene, y, other, "SciPy's DOP853 at 1e-13, from jump to jump")
+        return _compare(scene, y, other, "SciPy's DOP853 at 1e-13, from jump to jump")
 
     return truth
 
 
-def compiled(scene: rodgen.Scene) -> Truth:
-    """For many links: our DOP853 at 1e-10, judged by the classical Runge-Kutta method."""
+def compiled_truth(scene: rodgen.Scene) -> TrueMotion:
+    """Compute the motion of many links by our DOP853 at 1e-10, judged by the method rk4."""
     first, last = scene.integrate.span
     ours = _ours(scene, "dop853", 1e-10)
     step = (last - first) / (4000 if scene.rod.links <= 1000 else 400)
     other = rodgen.simulate(scene, method="rk4", step=step, target="c").y
-    return _judged(scene, ours, other, "dop853 at 1e-10 against rk4")
+    return _compare(scene, ours, other, "dop853 at 1e-10 against rk4")
 
 
 @lru_cache(maxsize=8)
-def _tight(text: str, method: str, rtol: float) -> Truth:
+def _tight(text: str, method: str, rtol: float) -> TrueMotion:
     scene = rodgen.Scene.model_validate_json(text)
     y0 = scene.initial_state()
     y = _scipy(scene, y0, method, rtol)
     other = _ours(scene, "radau", 1e-12)
-    near = _judged(scene, y, other, f"SciPy's {method} at {rtol:g} on the dense form")
+    near = _compare(scene, y, other, f"SciPy's {method} at {rtol:g} on the dense form")
     measure = Measure(scene, y)
     # In proportion to what the tolerances allow in each kind, and so small that it grows linearly.
-    tolerated, draw = measure.tolerated(), np.random.default_rng(7)
+    tolerated, draw = measure.allowances(), np.random.default_rng(7)
     by = NUDGE / max(tolerated.values())
     nudge = measure.parts(np.zeros_like(y0))
     for kind in nudge:
@@ -80,12 +80,12 @@ def _tight(text: str, method: str, rtol: float) -> Truth:
     half = np.concatenate((nudge["places"], nudge[ANGLES], nudge["speeds"], nudge["rates"]))
     moved = measure.errors(_scipy(scene, y0 + half, method, rtol))
     grown = max(moved[kind] / by / tolerated[kind] for kind in moved if tolerated[kind])
-    return Truth(near.y, near.by, near.error, max(1.0, grown))
+    return TrueMotion(near.y, near.by, near.error, max(1.0, grown))
 
 
-def _judged(scene: rodgen.Scene, y: Array, other: Array, by: str) -> Truth:
+def _compare(scene: rodgen.Scene, y: Array, other: Array, by: str) -> TrueMotion:
     measure = Measure(scene, y)
-    return Truth(y, by, error=max(measure.errors(other).values()))
+    return TrueMotion(y, by, error=max(measure.errors(other).values()))
 
 
 def _scipy(
@@ -98,7 +98,7 @@ def _scipy(
     """SciPy's method on the dense form, from break point to break point: the scene's, or these."""
     rod = scene.structure
     # One module for all loads; those that a scene has not are zero.
-    whole = rodgen.Structure(rod.links, rod.boundary, rod.inertia, TERMS)
+    whole = rodgen.Structure(rod.n_links, rod.boundary, rod.inertia, TERMS)
     model, given = rodgen.build(whole, *DENSE), {"fin_factor": None, **scene.parameters}
     p = model.parameters(**{name: given.get(name, 0.0) for name in whole.parameters})
     # Loads that change with time are put into p as they are asked for.
@@ -141,11 +141,11 @@ def _ours(scene: rodgen.Scene, method: str, rtol: float) -> Array:
 
 
 def same_as(tables: Tables, carry: Callable[[Array], Array], route: Route = tight) -> Route:
-    """By an invariance: the motion of other tables, carried over."""
+    """Route by an invariance: the motion of other tables, carried over."""
 
-    def truth(scene: rodgen.Scene) -> Truth:
-        known = route(Extreme("", tables, route).scene)
-        return Truth(carry(known.y), f"invariance; {known.by}", known.error, known.condition)
+    def truth(scene: rodgen.Scene) -> TrueMotion:
+        known = route(ExtremeCase("", tables, route).scene)
+        return TrueMotion(carry(known.y), f"invariance; {known.by}", known.error, known.condition)
 
     return truth
 
@@ -175,8 +175,8 @@ def rod(links: int = N, span: float = SPAN, **tables: Any) -> Tables:
     }
 
 
-def loaded(length: float = 1.0, mass: float = 1.0, time: float = 1.0, links: int = N) -> Tables:
-    """Every load at once, with units of length, mass and time so many times larger."""
+def loaded_rod(length: float = 1.0, mass: float = 1.0, time: float = 1.0, links: int = N) -> Tables:
+    """Rod under every load, with units of length, mass and time so many times larger."""
     force = mass * length / time**2
     return rod(
         links,
@@ -200,8 +200,8 @@ def loaded(length: float = 1.0, mass: float = 1.0, time: float = 1.0, links: int
     )
 
 
-def rescaled(length: float, time: float) -> Route:
-    """The motion of the scene in plain units, in other ones."""
+def rescaling(length: float, time: float) -> Route:
+    """Route from the motion in plain units to that in other ones."""
 
     def carry(y: Array) -> Array:
         half = y.shape[1] // 2
@@ -210,10 +210,10 @@ def rescaled(length: float, time: float) -> Route:
         u[:, :2] *= length
         return np.concatenate((q, u), axis=1)
 
-    return same_as(loaded(), carry)
+    return same_as(loaded_rod(), carry)
 
 
-def shifted(tables: Tables, by: dict[str, float], route: Route = tight) -> tuple[Tables, Route]:
+def shifted_rod(tables: Tables, by: dict[str, float], route: Route = tight) -> tuple[Tables, Route]:
     """A free rod displaced by x, y, turned by phi or flying by vx, and how it moves then."""
     initial = dict(tables["initial"])
     x, y = initial.get("position", [0.0, 0.0])

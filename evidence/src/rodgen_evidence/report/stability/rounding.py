@@ -16,8 +16,8 @@ from scipy.linalg import eig_banded
 import rodgen
 from rodgen.analyse.precision.contestant import Measurement
 from rodgen.model.rod import BOUNDARIES
-from rodgen_evidence.report.peers import chain
-from rodgen_evidence.report.stability.rounding_states import ROD, Array, Extreme, extremes
+from rodgen_evidence.report.peers import chain_accelerations
+from rodgen_evidence.report.stability.rounding_states import ROD, Array, ExtremeState, extremes
 from rodgen_evidence.report.unit import Unit
 
 LOSES = 10.0  # times what another form and rounded input come to, from which on digits are lost
@@ -25,7 +25,7 @@ Number = Any  # of mpmath, which has no types
 DIGITS = 60  # ten for what the worst of the conditions takes
 DENSE = 400  # unknowns up to which the mass matrix is looked at
 BAND = 3  # of the joint forces: a joint and the next, x and y of each
-EXACT = chain.Algebra(mp.cos, mp.sin, mp.sqrt, real=mpf)
+EXACT = chain_accelerations.Algebra(mp.cos, mp.sin, mp.sqrt, real=mpf)
 
 
 def exact_rates(model: ModuleType, values: Mapping[str, Any], y: Array) -> list[Number]:
@@ -37,11 +37,11 @@ def exact_rates(model: ModuleType, values: Mapping[str, Any], y: Array) -> list[
             for name, value in values.items()
         }
         q, u = ([mpf(float(v)) for v in half] for half in np.split(y, 2))
-        return chain.accelerations(rod, given, q, u, EXACT)
+        return chain_accelerations.accelerations(rod, given, q, u, EXACT)
 
 
 def dense_condition(model: ModuleType, y: Array, p: Array) -> float | None:
-    """Of the mass matrix; None where it is too large to be looked at."""
+    """Condition of the mass matrix; None where it is too large to be looked at."""
     if len(y) // 2 > DENSE:
         return None
     M = model.mass_matrix(y, p)
@@ -50,8 +50,10 @@ def dense_condition(model: ModuleType, y: Array, p: Array) -> float | None:
 
 
 def chain_condition(model: ModuleType, y: Array) -> float | None:
-    """Of the system of the joint forces (uniform mass) or tensions (lumped mass); None where there
-    is none, as for one free link."""
+    """Condition of the system of the joint forces (uniform mass) or tensions (lumped mass).
+
+    None where there is no such system, as for one free link.
+    """
     boundary_condition = BOUNDARIES[model.BOUNDARY]
     phi = y[2 * boundary_condition.translates : len(y) // 2]
     system = sparse.triu(
@@ -84,7 +86,7 @@ def constraints(phi: Array, held: bool, lumped: bool) -> Any:
 
 
 def _condition(values: Array) -> float:
-    """Of a symmetric matrix with these eigenvalues, in rising order."""
+    """Condition of a symmetric matrix with these eigenvalues, in rising order."""
     return float(values[-1] / values[0]) if values[0] > 0 else float("inf")
 
 
@@ -101,7 +103,7 @@ FORMS: dict[str, tuple[str, str]] = {
 
 
 def units(_: object, quick: bool, *__: object) -> list[Unit]:
-    """By kind of rod and number of links; the scenes of the report have no part in it."""
+    """Plan units by kind of rod and number of links; scenes of the report have no part in it."""
     made = []
     for boundary, inertia in KINDS[: 1 if quick else None]:
         kind = f"{boundary}-{inertia}"
@@ -123,11 +125,13 @@ def errors(links: int, boundary: str = "free", inertia: str = "uniform") -> list
     rows: list[Measurement] = []
     for extreme in extremes(links):
         if extreme.few or links <= MOST:
-            rows += _judged(forms, extreme, DRAWS if links <= MOST else 1)
+            rows += _rounding_rows(forms, extreme, DRAWS if links <= MOST else 1)
     return rows
 
 
-def _judged(forms: Mapping[str, ModuleType], extreme: Extreme, draws: int) -> list[Measurement]:
+def _rounding_rows(
+    forms: Mapping[str, ModuleType], extreme: ExtremeState, draws: int
+) -> list[Measurement]:
     model = next(iter(forms.values()))
     y, values = state(model, extreme), parameters(model, extreme)
     p = model.parameters(**values)
@@ -156,14 +160,14 @@ def _judged(forms: Mapping[str, ModuleType], extreme: Extreme, draws: int) -> li
     return rows
 
 
-def state(model: ModuleType, extreme: Extreme) -> Array:
+def state(model: ModuleType, extreme: ExtremeState) -> Array:
     """The shape as a state of a module."""
     shape, free = extreme.shape, model.BOUNDARY == "free"
     base, velocity = (shape.base, shape.velocity) if free else ((), ())
     return np.concatenate((base, shape.phi, velocity, shape.omega))
 
 
-def parameters(model: ModuleType, extreme: Extreme) -> dict[str, Any]:
+def parameters(model: ModuleType, extreme: ExtremeState) -> dict[str, Any]:
     """Values by name; fins that differ."""
     fins = [1.0 + 0.5 * (at % 3) for at in range(model.N + 1)]
     values = {**ROD, **extreme.values, "fin_factor": fins}
@@ -193,8 +197,8 @@ class Units:
         """The largest change that draws of y and p make, each value off by a unit, up or down."""
         draw, worst = np.random.default_rng(7), 0.0
         for _ in range(draws):
-            values = {name: _moved(value, draw) for name, value in self.values.items()}
-            rates = exact_rates(self.model, values, _moved(y, draw))
+            values = {name: _neighbours(value, draw) for name, value in self.values.items()}
+            rates = exact_rates(self.model, values, _neighbours(y, draw))
             worst = max(worst, self._distance(rates))
         return worst
 
@@ -204,8 +208,8 @@ class Units:
             return float(max(abs((a - b) * s) for a, b, s in pairs) / self.one)
 
 
-def _moved(value: Any, draw: np.random.Generator) -> Array:
-    """Values, each a unit of its last place up or down."""
+def _neighbours(value: Any, draw: np.random.Generator) -> Array:
+    """Move each value by a unit of its last place, up or down."""
     values = np.asarray(value, dtype=float)
     return np.asarray(np.nextafter(values, draw.choice((-np.inf, np.inf), values.shape)))
 

@@ -36,8 +36,8 @@ class Shape:
 
 
 @dataclass(frozen=True, eq=False)
-class Extreme:
-    """Values that differ from those of ROD, and a shape; few: it is among the few of many links."""
+class ExtremeState:
+    """Shape with values that differ from those of ROD; few: among the few of many links."""
 
     group: str
     case: str
@@ -46,33 +46,33 @@ class Extreme:
     few: bool = False
 
 
-def extremes(links: int) -> Iterator[Extreme]:
-    """All of them, for so many links."""
+def extremes(links: int) -> Iterator[ExtremeState]:
+    """Yield all extreme states of a rod of so many links."""
     bent = _bent(links)
-    yield Extreme("ordinary", "all loads", bent, ALL, few=True)
-    yield Extreme("ordinary", "no loads", bent)
+    yield ExtremeState("ordinary", "all loads", bent, ALL, few=True)
+    yield ExtremeState("ordinary", "no loads", bent)
     yield from _sizes(bent)
     yield from _shapes(links)
     yield from _turning(links, bent)
-    yield from _damped(links, bent)
+    yield from _damped_states(links, bent)
     for times in (1000.0, -1000.0):
         thrust = {"follower_force": times * CRITICAL}
-        yield Extreme("thrust", f"{times:g} times critical", bent, thrust, few=times > 0)
+        yield ExtremeState("thrust", f"{times:g} times critical", bent, thrust, few=times > 0)
 
 
-def _sizes(bent: Shape) -> Iterator[Extreme]:
+def _sizes(bent: Shape) -> Iterator[ExtremeState]:
     for stiffness in (0.0, 1e-12, 1e-8, 1e-4, 1.0, 1e4, 1e8, 1e12):
         values, few = {"bending_stiffness": stiffness}, stiffness in (0.0, 1e12)
-        yield Extreme("stiffness", f"EI = {stiffness:g} N m^2", bent, values, few)
+        yield ExtremeState("stiffness", f"EI = {stiffness:g} N m^2", bent, values, few)
     for mass in (1e-12, 1e-6, 1.0, 1e6, 1e12):
         values = {**ALL, "mass": mass}
-        yield Extreme("mass", f"{mass:g} kg, all loads", bent, values, mass == 1e-12)
+        yield ExtremeState("mass", f"{mass:g} kg, all loads", bent, values, mass == 1e-12)
     for length in (1e-6, 1e-3, 1.0, 1e3, 1e6):
         values = {**ALL, "length": length}
-        yield Extreme("length", f"{length:g} m, all loads", bent, values, length == 1e6)
+        yield ExtremeState("length", f"{length:g} m, all loads", bent, values, length == 1e6)
 
 
-def _shapes(links: int) -> Iterator[Extreme]:
+def _shapes(links: int) -> Iterator[ExtremeState]:
     at, draw = np.arange(links), np.random.default_rng(3)
     rates, little = 0.5 * draw.standard_normal(links), 1e-8 * draw.standard_normal(links)
     back = 0.3 + math.pi * (at % 2)
@@ -91,44 +91,44 @@ def _shapes(links: int) -> Iterator[Extreme]:
     }
     for name, phi in shapes.items():
         folded = "back" in name
-        yield Extreme(
+        yield ExtremeState(
             "folded", name, Shape(phi, rates), ALL, few=name == "back by pi at every joint"
         )
         if folded or name == "right angles":
-            yield Extreme("folded", f"{name}, no springs, no loads", Shape(phi, rates), SLACK)
+            yield ExtremeState("folded", f"{name}, no springs, no loads", Shape(phi, rates), SLACK)
 
 
-def _turning(links: int, bent: Shape) -> Iterator[Extreme]:
+def _turning(links: int, bent: Shape) -> Iterator[ExtremeState]:
     for turned in (1e3, 1e6, 1e9):
         shape = Shape(bent.phi + turned, bent.omega)
-        yield Extreme("turns", f"phi about {turned:g} rad", shape, ALL, turned == 1e6)
+        yield ExtremeState("turns", f"phi about {turned:g} rad", shape, ALL, turned == 1e6)
     for speed in (1e3, 1e6):
         shape = Shape(bent.phi, np.full(links, speed))
-        yield Extreme("spin", f"all links, omega = {speed:g} rad/s", shape, ALL, speed == 1e6)
+        yield ExtremeState("spin", f"all links, omega = {speed:g} rad/s", shape, ALL, speed == 1e6)
         shape = Shape(bent.phi, speed * bent.omega)
-        yield Extreme("spin", f"each by itself, about {speed:g} rad/s", shape, ALL)
+        yield ExtremeState("spin", f"each by itself, about {speed:g} rad/s", shape, ALL)
     for far in (1e12,):
         shape = Shape(bent.phi, bent.omega, base=(far, far))
-        yield Extreme("translation", f"x0 = {far:g} m", shape, ALL, few=True)
+        yield ExtremeState("translation", f"x0 = {far:g} m", shape, ALL, few=True)
 
 
-def _damped(links: int, bent: Shape) -> Iterator[Extreme]:
+def _damped_states(links: int, bent: Shape) -> Iterator[ExtremeState]:
     still, none = np.zeros(links), (0.0, 0.0)
     at_rest = Shape(bent.phi, still, velocity=none)
-    yield Extreme("drag", "velocities of zero", at_rest, DRAG, few=True)
+    yield ExtremeState("drag", "velocities of zero", at_rest, DRAG, few=True)
     turning = Shape(bent.phi, bent.omega, velocity=none)
-    yield Extreme("drag", "velocity of zero at joint 0 alone", turning, DRAG)
+    yield ExtremeState("drag", "velocity of zero at joint 0 alone", turning, DRAG)
     for size in (1e-300, 1e-150, 1e-8, 1e8):
         slow = Shape(bent.phi, size * bent.omega, velocity=(size, 0.3 * size))
-        yield Extreme("drag", f"velocities about {size:g} m/s", slow, DRAG)
+        yield ExtremeState("drag", f"velocities about {size:g} m/s", slow, DRAG)
     along = Shape(np.full(links, 0.4), still, velocity=(math.cos(0.4), math.sin(0.4)))
-    yield Extreme("drag", "all joints move along the rod", along, DRAG)
+    yield ExtremeState("drag", "all joints move along the rod", along, DRAG)
     heavy = {"external_damping": 1e6 * _slowest()}
-    yield Extreme("drag", "overdamped by 1e6, outside", bent, heavy)
+    yield ExtremeState("drag", "overdamped by 1e6, outside", bent, heavy)
     for ratio in (1.0, 1e3, 1e6):
         values = {"internal_damping": ratio * _critical_damping(links)}
         name = f"{ratio:g} times critical, inside"
-        yield Extreme("damping", name, bent, values, few=ratio == 1e6)
+        yield ExtremeState("damping", name, bent, values, few=ratio == 1e6)
 
 
 def _bent(links: int) -> Shape:

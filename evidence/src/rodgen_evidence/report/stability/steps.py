@@ -21,7 +21,7 @@ from rodgen.integrate.stability import dominant, step_limit
 from rodgen_evidence.report import cases
 from rodgen_evidence.report.unit import Unit
 from rodgen_evidence.thesis.data import METHODS, TABLE_4_1
-from rodgen_evidence.thesis.methods import DAMPING, NAMES
+from rodgen_evidence.thesis.largest_steps import DAMPING, NAMES
 
 Array = NDArray[np.float64]
 
@@ -76,7 +76,7 @@ def straight(links: int, values: dict[str, float]) -> Trial:
 
 
 def fastest_mode(model: ModuleType, p: Array) -> Mode:
-    """Of M x'' = -K x, dense, by LAPACK: not the iteration by which rodgen itself finds it."""
+    """Fastest mode of M x'' = -K x, dense, by LAPACK: not by the iteration of rodgen itself."""
     rest = np.zeros(len(model.STATE))
     half = len(rest) // 2
     M = model.mass_matrix(rest, p)
@@ -146,8 +146,8 @@ def largest(grows_with: Callable[[float], bool], rate: float) -> float:
 
 
 def own_step(trial: Trial) -> tuple[float, float]:
-    """Of dop853 with tolerances that everything keeps: the step [s] that it takes (median of the
-    second half), and by what the disturbance has grown there."""
+    """Step [s] that dop853 takes with tolerances that everything keeps (median of the second half),
+    and by what the disturbance has grown there."""
     run = trial.run("dop853", rtol=1e-2, atol=1.0)
     trace = np.full((STEPS, 1 + 2 * len(trial.model.STATE)), np.nan)
     run.begin(1e9 / trial.mode.omega)
@@ -169,7 +169,7 @@ OWN = "dop853, its own"  # the step that it takes, not the one that it could
 
 
 def units(_: object, quick: bool, *__: object) -> list[Unit]:
-    """By number of links, and the rods of table 4.1; the scenes of the report have no part."""
+    """Plan units by number of links, and of table 4.1; the scenes of the report have no part."""
     call = f"{__name__}:against_links"
     made = [
         Unit("steps", f"steps-n{n}", call, {"links": n}, timed=False, limit=LIMIT)
@@ -184,7 +184,7 @@ def against_links(links: int, ratios: Sequence[float] = RATIOS) -> list[Measurem
     """All methods at all damping ratios."""
     rows: list[Measurement] = []
     for ratio in ratios:
-        trial, text = straight(links, values(links, ratio)), described(ratio)
+        trial, text = straight(links, values(links, ratio)), describe_damping(ratio)
         rows += [row(trial, method, text, ratio) for method in (*FIXED, "dop853")]
         rows.append(own_row(trial, text, ratio))
     return rows
@@ -207,26 +207,29 @@ def table_4_1(links: Sequence[int]) -> list[Measurement]:
 
 def values(links: int, ratio: float) -> dict[str, float]:
     """Parameters with internal damping of this share of the critical one of the fastest mode."""
-    trial = undamped(links)
+    trial = undamped_rod(links)
     return {**ROD, "internal_damping": ratio / damping_ratio(trial, 1.0)}
 
 
 def damping_ratio(trial: Trial, coefficient: float) -> float:
-    """Of the fastest mode: damping is proportional to stiffness, c_int m over k = EI/l, so that
-    of a mode of frequency omega the ratio is c_int m omega/(2 k)."""
+    """Damping ratio of the fastest mode.
+
+    Damping is proportional to stiffness, c_int m over k = EI/l, so that of a mode of frequency
+    omega the ratio is c_int m omega/(2 k).
+    """
     n = trial.model.N
     m, k = ROD["mass"] / n, ROD["bending_stiffness"] * n / ROD["length"]
     return float(coefficient * m * trial.mode.omega / (2 * k))
 
 
 @cache
-def undamped(links: int) -> Trial:
+def undamped_rod(links: int) -> Trial:
     """The rod without damping."""
     return straight(links, ROD)
 
 
-def described(ratio: float) -> str:
-    """A damping ratio in words."""
+def describe_damping(ratio: float) -> str:
+    """Describe a damping ratio."""
     return f"{ratio:g} of the critical one of the fastest mode" if ratio else "none"
 
 

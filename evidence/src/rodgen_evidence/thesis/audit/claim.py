@@ -22,7 +22,7 @@ NOT_PRINTED: Expr = Symbol("nothing")
 
 
 class Verdict(StrEnum):
-    """What a comparison can end in."""
+    """Verdict of a comparison."""
 
     EXACT = "exact"
     MISPRINT = "misprint"  # differs, and the corrected form does not
@@ -85,20 +85,20 @@ class Pair:
     true: Expr
 
     @property
-    def printed(self) -> bool:
+    def is_printed(self) -> bool:
         return not self.entry.has(NOT_PRINTED)
 
     @cached_property
     def same(self) -> bool:
-        return self.printed and is_zero(self.entry - self.true)
+        return self.is_printed and is_zero(self.entry - self.true)
 
     @cached_property
     def opposite(self) -> bool:
-        return self.printed and is_zero(self.entry + self.true)
+        return self.is_printed and is_zero(self.entry + self.true)
 
     @property
     def difference(self) -> Expr:
-        return readable(self.entry - self.true) if self.printed else NOT_PRINTED
+        return readable(self.entry - self.true) if self.is_printed else NOT_PRINTED
 
 
 def judge(claim: Claim) -> Finding:
@@ -170,20 +170,20 @@ def _sign(claim: Claim, pairs: list[Pair]) -> str | None:
 
 def _missing(claim: Claim, pairs: list[Pair]) -> str | None:
     """Nothing is printed for any entry."""
-    if any(pair.printed for pair in pairs):
+    if any(pair.is_printed for pair in pairs):
         return None
     return f"nothing is printed for {_names(claim, pairs)}"
 
 
 def _incomplete(claim: Claim, pairs: list[Pair]) -> str | None:
-    """What is printed is right, and terms or whole entries are left out."""
-    printed = [pair for pair in pairs if pair.printed]
+    """Describe a claim that is right in what is printed, with terms or whole entries left out."""
+    printed = [pair for pair in pairs if pair.is_printed]
     if not all(pair.same or is_part(pair.entry, pair.true) for pair in printed):
         return None
     if len(printed) == len(pairs):
         return "every printed term is right, terms are left out"
     some = {pair.n for pair in printed}
-    lacking = [pair for pair in pairs if pair.n in some and not pair.printed]
+    lacking = [pair for pair in pairs if pair.n in some and not pair.is_printed]
     return f"what is printed is right, nothing is printed for {_names(claim, lacking)}"
 
 
@@ -195,5 +195,5 @@ def _names(claim: Claim, pairs: list[Pair]) -> str:
 
 
 def entry_name(claim: Claim, n: int, at: int) -> str:
-    """What an entry is called: its label, or its number."""
+    """Name of an entry: its label, or its number."""
     return claim.label(n, at) if claim.label else f"entry {at + 1}"

@@ -54,7 +54,7 @@ def tridiagonal(n: int, factor: Expr) -> Matrix:
 
 
 def mass_matrix(n: int) -> Matrix:
-    """What 2.43 should be, by 2.24 to 2.26 put right."""
+    """Mass matrix that 2.43 should be, by 2.24 to 2.26 put right."""
     x = [-l * sin(phi[i]) * weight(n, i) for i in range(n)]
     y = [l * cos(phi[i]) * weight(n, i) for i in range(n)]
     rows = [[Integer(2 * n), S.Zero, *x], [S.Zero, Integer(2 * n), *y]]
@@ -126,7 +126,7 @@ def every_load(n: int) -> Column:
     return [sum(load, S.Zero) for load in loads]
 
 
-def misplaced(n: int) -> Column:
+def summed_rows(n: int) -> Column:
     """2.65: - D_i - D_e omega + F + A, made a sum by rows of D_i summed and D_e times (v, omega)
     row by row."""
     t = truth(n)
@@ -238,7 +238,7 @@ CLAIMS: tuple[Claim, ...] = (
     Claim(
         "2.65",
         "equations of motion with all loads",
-        {"rows of D_i summed, D_e times (v, omega) row by row": with_rates(balance(misplaced))},
+        {"rows of D_i summed, D_e times (v, omega) row by row": with_rates(balance(summed_rows))},
         with_derived_rates(equilibrium(*EVERY)),
         corrected=with_rates(balance(every_load)),
         printed=r"\mathbf{M} \frac{d}{dt}(v + \omega) = \mathbf{Q}\omega^2 - \mathbf{K}\varphi "

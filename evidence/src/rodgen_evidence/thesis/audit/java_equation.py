@@ -9,7 +9,7 @@ from collections.abc import Callable, Sequence
 
 import numpy as np
 
-from rodgen_evidence.thesis.audit.java_object import Array, Num, RodObject
+from rodgen_evidence.thesis.audit.java_object import JavaArray, Num, RodObject
 
 # The argument of line 511 before the sine, from the angles of velocity and of the two links.
 Mean = Callable[[Num, Num, Num], Num]
@@ -113,7 +113,7 @@ class FreeRodModel(RodObject):
         """Lines 344-369."""
         self._fillBand(self.matrixC)
 
-    def _fillBand(self, matrix: Array) -> None:
+    def _fillBand(self, matrix: JavaArray) -> None:
         """Lines 318-340 and 346-368, which differ in nothing but the name of the matrix."""
         one = self.math.one
         for r in range(2, self.rows):

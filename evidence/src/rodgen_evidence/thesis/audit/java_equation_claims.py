@@ -17,7 +17,7 @@ from rodgen_evidence.thesis.audit.java_equation import MEAN, WITHOUT, Mean
 from rodgen_evidence.thesis.audit.java_letters import (
     FINS,
     Symbolic,
-    indexed,
+    indexed_symbols,
     listing,
     right_side,
 )
@@ -52,7 +52,7 @@ def _right_side(n: int) -> Column:
 
 
 def velocity_angles(n: int) -> Column:
-    return indexed("varphi_v", n + 1)
+    return indexed_symbols("varphi_v", n + 1)
 
 
 def _angles_by_case(n: int) -> Column:
@@ -77,8 +77,8 @@ def _coefficients(mean: Mean) -> Entries:
     return entries
 
 
-def _across_squared(n: int) -> Column:
-    """The share of a velocity of length 1 that is across the rod."""
+def _across_shares(n: int) -> Column:
+    """Squared shares of a velocity of length 1 that are across the rod."""
     shares = []
     for angle, of_rod in zip(velocity_angles(n), angles_at(n), strict=True):
         joint = JointMotion(cos(angle), sin(angle), S.One, of_rod, S.One, (S.One,))
@@ -88,7 +88,7 @@ def _across_squared(n: int) -> Column:
 
 
 def _joint_speeds(n: int) -> Column:
-    x, y = indexed("v_x", n + 1), indexed("v_y", n + 1)
+    x, y = indexed_symbols("v_x", n + 1), indexed_symbols("v_y", n + 1)
     return [v for pair in zip(x, y, strict=True) for v in pair]
 
 
@@ -97,8 +97,10 @@ def _forces(closed: str) -> Entries:
     505-511 give, old_i what was there before."""
 
     def entries(n: int) -> Column:
-        it = Symbolic(n, velocities=_joint_speeds, aeroDampingCoef=lambda n: indexed("old", n + 1))
-        for i, a in enumerate(indexed("a", n + 1)):
+        it = Symbolic(
+            n, velocities=_joint_speeds, aeroDampingCoef=lambda n: indexed_symbols("old", n + 1)
+        )
+        for i, a in enumerate(indexed_symbols("a", n + 1)):
             it.aeroDampingCoef[i] = a
             if closed != "after line 511":
                 it.dampingForces()
@@ -112,12 +114,12 @@ def _forces(closed: str) -> Entries:
 
 
 def _forces_true(n: int) -> Column:
-    """By the law of the load: a_i stands for the share across the rod."""
+    """Forces by the law of the load: a_i stands for the share across the rod."""
     spike, medium, tail = FINS
     fins = [spike * medium, *[medium] * (n - 1), tail * medium]
     speeds, angle, divisor = _joint_speeds(n), Symbol("angle", real=True), Symbol("divisor")
     x, y = [], []
-    for i, (fin, a) in enumerate(zip(fins, indexed("a", n + 1), strict=True)):
+    for i, (fin, a) in enumerate(zip(fins, indexed_symbols("a", n + 1), strict=True)):
         mass = joint_mass(2 if 0 < i < n else 1)
         joint = JointMotion(speeds[2 * i], speeds[2 * i + 1], divisor, angle, mass, (fin,))
         fx, fy = (-f.replace(Abs, lambda _, a=a: a * divisor) for f in resisting(joint))
@@ -132,7 +134,7 @@ def _no_forces(n: int) -> Column:
     return [*DRAG.force(joint)] * (n + 1)
 
 
-def _assembled(name: str, factor: Expr, times: int = 1) -> Entries:
+def _assembly(name: str, factor: Expr, times: int = 1) -> Entries:
     """Entries of a matrix with the factor that createEquation gives it (lines 375-403)."""
     return listing(*[f"assembleMatrix{name}"] * times, read=f"matrix{name}", factor=factor)
 
@@ -143,7 +145,7 @@ def _band_claims(
     """A matrix of three diagonals for two links or more, and for one, where it must stay empty."""
     claim = partial(
         Claim,
-        readings={READ: _assembled(name, factor)},
+        readings={READ: _assembly(name, factor)},
         truth=true,
         label=_entry(0),
         printed="if (r==2) {1, -1}; if (r>2 && r<rows-1) {-1, 2, -1}; if (r==rows-1) {-1, 1}",
@@ -168,7 +170,7 @@ CLAIMS = (
     Claim(
         "Java 235-286, 375-382",
         "mass matrix",
-        {READ: _assembled("M", m / 2)},
+        {READ: _assembly("M", m / 2)},
         lambda n: flat(truth(n).M),
         note=(
             "Rows are completed in order, so every entry below the diagonal is written before it"
@@ -179,7 +181,7 @@ CLAIMS = (
     Claim(
         "Java 288-313, 385-389",
         "velocity matrix",
-        {READ: _assembled("Q", m / 2)},
+        {READ: _assembly("Q", m / 2)},
         lambda n: flat(truth(n).Q),
         note="The loop that completes the lower half also runs over the entries it has written: "
         "they are negated twice. The last row is filled by it alone.",
@@ -188,7 +190,7 @@ CLAIMS = (
     Claim(
         "Java 288-313, again",
         "velocity matrix, assembled a second time over the first",
-        {READ: _assembled("Q", m / 2, times=2)},
+        {READ: _assembly("Q", m / 2, times=2)},
         lambda n: flat(truth(n).Q),
         note=(
             "The members are kept from step to step, but nothing of the last assembly remains in"
@@ -274,7 +276,7 @@ CLAIMS = (
             "velocityAngles[i]-(angles[i-1]+angles[i])/2d": _coefficients(MEAN),
             "(velocityAngles[i]-angles[i-1]+angles[i])/2d": _coefficients(WITHOUT),
         },
-        _across_squared,
+        _across_shares,
         repairs=(
             "lines 506, 508 and 511 close one parenthesis more than they open; all three are "
             "broken right after a minus, where one may have been lost",

@@ -12,7 +12,7 @@ from rodgen.derive.loads import gravity
 from rodgen.derive.symbols import k, l, m, vx0, vy0
 from rodgen_evidence.thesis.audit.claim import Entries
 from rodgen_evidence.thesis.audit.java_equation import FreeRodModel
-from rodgen_evidence.thesis.audit.java_object import Array
+from rodgen_evidence.thesis.audit.java_object import JavaArray
 from rodgen_evidence.thesis.audit.truth import (
     LETTERS,
     Column,
@@ -40,7 +40,7 @@ class Symbolic(FreeRodModel):
         self.setLetters()
         for name, value in members.items():
             written = value(n)
-            setattr(self, name, Array(written) if isinstance(written, list) else written)
+            setattr(self, name, JavaArray(written) if isinstance(written, list) else written)
 
     def setLetters(self) -> None:
         """setInitialState with the letters of the truth."""
@@ -82,8 +82,8 @@ def listing(*calls: str, read: str, factor: Expr = S.One, **members: Any) -> Ent
     return entries
 
 
-def indexed(name: str, count: int) -> Column:
-    """name_0, name_1, ..."""
+def indexed_symbols(name: str, count: int) -> Column:
+    """Symbols name_0, name_1, ..."""
     return [Symbol(f"{name}_{at}", real=True) for at in range(count)]
 
 

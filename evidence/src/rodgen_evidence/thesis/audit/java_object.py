@@ -32,17 +32,17 @@ ARRAYS: dict[str, str] = {
 }
 
 
-class Array(list[Num]):
+class JavaArray(list[Num]):
     """A Java array: an index below zero is an error, not a place counted from the end."""
 
     def __getitem__(self, at: Any) -> Num:
-        return super().__getitem__(_checked(at))
+        return super().__getitem__(_check_index(at))
 
     def __setitem__(self, at: Any, value: Num) -> None:
-        super().__setitem__(_checked(at), value)
+        super().__setitem__(_check_index(at), value)
 
 
-def _checked(at: SupportsIndex) -> int:
+def _check_index(at: SupportsIndex) -> int:
     index = int(at)
     if index < 0:
         raise IndexError(f"ArrayIndexOutOfBoundsException: {index}")
@@ -124,13 +124,13 @@ class RodObject:
         self.matrixK = self.table(self.rows, elementCount)
         self.matrixC = self.table(self.rows, elementCount)
 
-    def zeros(self, length: int) -> Array:
+    def zeros(self, length: int) -> JavaArray:
         """new double[length]."""
-        return Array([0 * self.math.one] * length)
+        return JavaArray([0 * self.math.one] * length)
 
-    def table(self, rows: int, columns: int) -> Array:
+    def table(self, rows: int, columns: int) -> JavaArray:
         """new double[rows][columns]."""
-        return Array([self.zeros(columns) for _ in range(rows)])
+        return JavaArray([self.zeros(columns) for _ in range(rows)])
 
     def setInitialState(
         self,
@@ -263,9 +263,9 @@ class RodObject:
         """Lines 621-623."""
         return self.velocities[index]
 
-    def getArray(self, name: str) -> Array:
+    def getArray(self, name: str) -> JavaArray:
         """One of ARRAYS: the member itself, not a copy."""
-        array: Array = getattr(self, ARRAYS[name])
+        array: JavaArray = getattr(self, ARRAYS[name])
         return array
 
     def getPotentialEnergy(self) -> Num:

@@ -24,7 +24,7 @@ from rodgen_evidence.thesis.audit.java_letters import (
     H,
     Symbolic,
     centre,
-    indexed,
+    indexed_symbols,
     joint_velocities,
     joints,
     state_letters,
@@ -47,12 +47,12 @@ Step = Callable[[FreeRodModel], None]
 STEPPERS: tuple[Step, ...] = (stepEuler, stepImprovedEuler, stepRungeKutta)
 
 
-def filled(n: int) -> Symbolic:
+def filled_object(n: int) -> Symbolic:
     """The object with its joints, centre of gravity, energy of the springs and forces as they are
     for the letters of the truth."""
     it = Symbolic(
         n,
-        aeroDampingCoef=lambda n: indexed("a", n + 1),
+        aeroDampingCoef=lambda n: indexed_symbols("a", n + 1),
         velocityAngles=velocity_angles,
         **RESISTED,
     )
@@ -63,7 +63,7 @@ def filled(n: int) -> Symbolic:
 
 
 def _got(n: int) -> Column:
-    it = filled(n)
+    it = filled_object(n)
     by_index = [get(at) for get in (it.getCoordinate, it.getVelocity) for at in range(2 * n + 2)]
     arrays = [value for name in ARRAYS for value in it.getArray(name)]
     return [*by_index, it.getPotentialEnergy(), *arrays]
@@ -72,7 +72,7 @@ def _got(n: int) -> Column:
 def _got_true(n: int) -> Column:
     by_index = [*joints(n), *joint_velocities(n), truth(n).spring_energy]
     motion = [*joints(n), *phi[:n], *centre(n), *omega[:n]]
-    of_joints = [*indexed("a", n + 1), *velocity_angles(n)]
+    of_joints = [*indexed_symbols("a", n + 1), *velocity_angles(n)]
     return [*by_index, *motion, *of_joints, *(f for forces in RESISTED.values() for f in forces(n))]
 
 
@@ -81,7 +81,7 @@ def _velocities(lines: str, axis: int) -> Claim:
     return Claim(
         lines,
         f"velocities of the joints along {name.lower()}",
-        {READ: lambda n: getattr(filled(n), f"getVelocities{name}")()},
+        {READ: lambda n: getattr(filled_object(n), f"getVelocities{name}")()},
         lambda n: joint_velocities(n)[axis::2],
         note="The method returns a new array, so a caller may write into it.",
         printed=f"velocities{name}[i]=velocities[2*i{'+1' * axis}];",
@@ -89,7 +89,7 @@ def _velocities(lines: str, axis: int) -> Claim:
     )
 
 
-class Recorder(Symbolic):
+class CallRecorder(Symbolic):
     """An object whose methods do nothing but be called by their names, as the listing has them."""
 
     def __init__(self) -> None:
@@ -100,17 +100,17 @@ class Recorder(Symbolic):
         self.called += names
 
 
-def called() -> list[str]:
+def method_calls() -> list[str]:
     """Names of the methods that the steppers call, in order."""
-    recorder = Recorder()
+    recorder = CallRecorder()
     for step in STEPPERS:
         step(recorder)
     return recorder.called
 
 
-def _defined(n: int) -> Column:
-    """Of every call the name of the method that the listing defines."""
-    right = (name if hasattr(FreeRodModel, name) else MISSPELLED[name] for name in called())
+def _definitions(n: int) -> Column:
+    """Names of the methods that the listing defines, for every call."""
+    right = (name if hasattr(FreeRodModel, name) else MISSPELLED[name] for name in method_calls())
     return [Symbol(name) for name in right]
 
 
@@ -128,10 +128,10 @@ class Staged(Symbolic):
 
     def getSolution(self) -> None:
         self.seen.append(self.state())
-        self.solution = indexed(f"a{len(self.seen)}", self.elementCount + 2)
+        self.solution = indexed_symbols(f"a{len(self.seen)}", self.elementCount + 2)
 
     def state(self) -> Column:
-        """As rodgen has it."""
+        """State in rodgen's order."""
         start, velocity = list(self.coordinates)[:2], list(self.velocities)[:2]
         return [*start, *self.angles, *velocity, *self.omegas]
 
@@ -139,7 +139,7 @@ class Staged(Symbolic):
 IDLE = {*EVALUATE_C, *EVALUATE_D, *FINISH} - {"getSolution"}  # what a stage does without
 
 
-def _stepped(step: Step, n: int) -> Staged:
+def _take_step(step: Step, n: int) -> Staged:
     it = Staged(n)
     step(it)
     return it
@@ -149,7 +149,7 @@ def scheme(step: Step) -> Entries:
     """States at every evaluation and at the end of a step."""
 
     def entries(n: int) -> Column:
-        it = _stepped(step, n)
+        it = _take_step(step, n)
         return [entry for stage in (*it.seen, it.state()) for entry in stage]
 
     return entries
@@ -164,7 +164,7 @@ def method(name: str) -> Entries:
 
         def rhs(t: Any, y: Any) -> Any:
             seen.append(list(y))
-            letters = indexed(f"a{len(seen)}", n + 2)
+            letters = indexed_symbols(f"a{len(seen)}", n + 2)
             return np.array([*y[n + 2 :], *letters], dtype=object)
 
         y = np.array(state_letters(n), dtype=object)
@@ -176,14 +176,14 @@ def method(name: str) -> Entries:
 
 def _joint_velocities(step: Step) -> Entries:
     """Velocities of the joints after a step."""
-    return lambda n: list(_stepped(step, n).velocities)
+    return lambda n: list(_take_step(step, n).velocities)
 
 
 def _from_state(step: Step) -> Entries:
     """Velocities of the joints that belong to the state after the step."""
 
     def entries(n: int) -> Column:
-        values = dict(zip(state_letters(n), _stepped(step, n).state(), strict=True))
+        values = dict(zip(state_letters(n), _take_step(step, n).state(), strict=True))
         return [v.xreplace(values) for v in joint_velocities(n)]
 
     return entries
@@ -220,15 +220,15 @@ CLAIMS = (
     Claim(
         "Java 705-1002, names",
         "methods that the steppers call and the listing defines",
-        {READ: lambda n: [Symbol(name) for name in called()]},
-        _defined,
-        corrected=_defined,
+        {READ: lambda n: [Symbol(name) for name in method_calls()]},
+        _definitions,
+        corrected=_definitions,
         links=(1,),
         note="assembleMatrixD is in the list of methods of section 4.1 too, which hints that the "
         "appendix is another version of the program.",
         printed="assembleMatrixD(); ... updateOmeegas();",
         correction="assembleMatrixC(); ... updateOmegas();",
-        label=lambda n, at: called()[at],
+        label=lambda n, at: method_calls()[at],
     ),
     Claim(
         "Java 705-730",

@@ -11,12 +11,12 @@ from rodgen_evidence.thesis.audit.java_letters import (
     Symbolic,
     centre,
     gravity_energy,
-    indexed,
+    indexed_symbols,
     joint_velocities,
     joints,
     listing,
 )
-from rodgen_evidence.thesis.audit.java_object import Array
+from rodgen_evidence.thesis.audit.java_object import JavaArray
 from rodgen_evidence.thesis.audit.java_steps import ENERGIES
 from rodgen_evidence.thesis.audit.truth import Column, omega, phi, truth
 
@@ -36,20 +36,20 @@ def _members(printed: bool) -> Entries:
 
 
 def _initial(*quantities: str) -> Entries:
-    """What setInitialState has written into members, and what it has not."""
+    """Entries that setInitialState has written into members, and those that it has not."""
 
     def entries(n: int) -> Column:
         it = Symbolic(n)
         for quantity in quantities:
-            setattr(it, quantity, Array([NOT_PRINTED] * len(getattr(it, quantity))))
+            setattr(it, quantity, JavaArray([NOT_PRINTED] * len(getattr(it, quantity))))
         it.setLetters()
         return [entry for quantity in quantities for entry in getattr(it, quantity)]
 
     return entries
 
 
-def _completed(quantity: str) -> Entries:
-    """After the joints' coordinates and velocities are updated with a step of no length."""
+def _after_update(quantity: str) -> Entries:
+    """Entries after the joints' coordinates and velocities are updated with a step of no length."""
     return listing(
         "updateVelocities",
         "updateCoords",
@@ -70,14 +70,14 @@ def _after(method: str, quantity: str) -> Entries:
 
 
 def _accelerations(n: int) -> Column:
-    return indexed("a", n + 2)
+    return indexed_symbols("a", n + 2)
 
 
-def _moved(values: tuple[Expr, ...], rates: tuple[Expr, ...] | Column) -> Column:
+def _euler_step(values: tuple[Expr, ...], rates: tuple[Expr, ...] | Column) -> Column:
     return [q + H * u for q, u in zip(values, rates, strict=True)]
 
 
-def _velocities_moved(n: int) -> Column:
+def _velocities_after_step(n: int) -> Column:
     """Velocities of the joints when the start is faster by h a; omegas are as they are."""
     a = _accelerations(n)
     return [q.xreplace({vx0: vx0 + H * a[0], vy0: vy0 + H * a[1]}) for q in joint_velocities(n)]
@@ -128,7 +128,7 @@ CLAIMS = (
         "initial velocities of the joints",
         {READ: _initial("velocities")},
         joint_velocities,
-        corrected=_completed("velocities"),
+        corrected=_after_update("velocities"),
         note=(
             "The velocities of the other joints keep Java's zero, and the first evaluation of "
             "external damping reads it."
@@ -142,7 +142,7 @@ CLAIMS = (
         "initial coordinates of the joints, the start at the origin",
         {READ: _initial("coordinates")},
         _joints_from(S.Zero, S.Zero),
-        corrected=_completed("coordinates"),
+        corrected=_after_update("coordinates"),
         note="They keep Java's zero until the first step. No force depends on them.",
         label=_joint,
         correction=_COMPLETION,
@@ -151,14 +151,14 @@ CLAIMS = (
         "Java 126-133",
         "new angular velocities",
         {READ: _after("updateOmegas", "omegas")},
-        lambda n: _moved(omega[:n], _accelerations(n)[2:]),
+        lambda n: _euler_step(omega[:n], _accelerations(n)[2:]),
         printed="omegas[i]+=step*solution.getValue(i+2);",
     ),
     Claim(
         "Java 135-146",
         "new angles",
         {READ: _after("updateAngles", "angles")},
-        lambda n: _moved(phi[:n], omega[:n]),
+        lambda n: _euler_step(phi[:n], omega[:n]),
         printed="angles[i]+=step*omegas[i];",
     ),
     Claim(
@@ -176,7 +176,7 @@ CLAIMS = (
         "Java 159-170",
         "velocities of the joints",
         {READ: _after("updateVelocities", "velocities")},
-        _velocities_moved,
+        _velocities_after_step,
         note=(
             "It is right for the sines and cosines that it finds. The steppers tell which these "
             "are."

@@ -70,22 +70,22 @@ class Reading:
 
 @dataclass(frozen=True, kw_only=True)
 class Order(Reading):
-    """Its order: with loads NONE or ALL, steps [s] and errors, the largest of the state at the
-    end."""
+    """Order of a stepper: with loads NONE or ALL, steps [s] and errors, the largest of the state
+    at the end."""
 
     loads: str
     steps: tuple[float, ...]
     errors: tuple[float, ...]
 
     @property
-    def measured(self) -> float:
+    def slope(self) -> float:
         """The slope fitted over all steps."""
         return float(np.polyfit(np.log(self.steps), np.log(self.errors), 1)[0])
 
     @property
     def verdict(self) -> Verdict:
         """EXACT where the measured order is the claimed one."""
-        return Verdict.EXACT if abs(self.measured - self.nominal) <= TOLERANCE else Verdict.MISPRINT
+        return Verdict.EXACT if abs(self.slope - self.nominal) <= TOLERANCE else Verdict.MISPRINT
 
 
 _RK = partial(Reading, "Runge-Kutta", "800-1002", 4)
@@ -111,10 +111,10 @@ READINGS = (
 @cache
 def stepper_orders() -> list[Order]:
     """Every reading without loads and with all of them."""
-    return [_measured(reading, loads) for reading in READINGS for loads in (NONE, ALL)]
+    return [_measure_order(reading, loads) for reading in READINGS for loads in (NONE, ALL)]
 
 
-def _measured(reading: Reading, loads: str) -> Order:
+def _measure_order(reading: Reading, loads: str) -> Order:
     exact = reference(loads)
     errors = []
     for count in COUNTS:
@@ -136,7 +136,7 @@ def initial(loads: str, step: float, completed: bool) -> FreeRodModel:
 
 
 def state(it: FreeRodModel) -> Any:
-    """As rodgen has it: x0, y0, angles, their rates."""
+    """State in rodgen's order: x0, y0, angles, their rates."""
     start, velocity = list(it.coordinates)[:2], list(it.velocities)[:2]
     return np.array([*start, *it.angles, *velocity, *it.omegas])
 

@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from rodgen_evidence.thesis.audit.java_equation import FreeRodModel
-from rodgen_evidence.thesis.audit.java_object import Array, Num
+from rodgen_evidence.thesis.audit.java_object import JavaArray, Num
 
 Names = Sequence[str]
 
@@ -41,19 +41,19 @@ def stepRungeKutta(it: FreeRodModel, move: Names = MOVE, copies: bool = False) -
     T = Saved(it)
     # k1; the move of lines 830-834 is undone in lines 850-859, all but the sines and cosines.
     it.call(*EVALUATE_C, *move)
-    K = [_stored(it.solution, copies)]
+    K = [_store(it.solution, copies)]
     for divisor, spelling in ((2, "updateOmegas"), (2, "updateOmeegas"), (1, "updateOmeegas")):
         it.solution = [k / divisor for k in K[-1]]
         T.restore(it)
         it.call(spelling, *move[1:], *EVALUATE_C)
-        K.append(_stored(it.solution, copies))
+        K.append(_store(it.solution, copies))
     it.solution = [(k1 + 2 * k2 + 2 * k3 + k4) / 6 for k1, k2, k3, k4 in zip(*K, strict=True)]
     T.restore(it)
     it.call(*move, *FINISH)
 
 
-def _stored(solution: Sequence[Num], copies: bool) -> list[Num]:
-    """Lines 836-841: allocateFor, then addValue of every value."""
+def _store(solution: Sequence[Num], copies: bool) -> list[Num]:
+    """Store a solution as lines 836-841 do: allocateFor, then addValue of every value."""
     return [value + (value if copies else 0) for value in solution]
 
 
@@ -66,8 +66,8 @@ class Saved:
 
     def restore(self, it: FreeRodModel) -> None:
         """Lines 850-859, 892-901, 934-943, 978-987: neither anglesSin nor anglesCos."""
-        it.angles, it.omegas = Array(self.angles), Array(self.omegas)
-        it.coordinates, it.velocities = Array(self.coordinates), Array(self.velocities)
+        it.angles, it.omegas = JavaArray(self.angles), JavaArray(self.omegas)
+        it.coordinates, it.velocities = JavaArray(self.coordinates), JavaArray(self.velocities)
 
 
 # Put right -----------------------------------------------------------------------------------
@@ -96,7 +96,7 @@ def stepClassical(it: FreeRodModel) -> None:
 
 
 def _rates(it: FreeRodModel) -> list[Num]:
-    """Of the start of the rod, the angles, the start's velocity, the omegas."""
+    """Rates of the start of the rod, of the angles, of the start's velocity and of the omegas."""
     it.call(*EVALUATE_C)
     return [it.velocities[0], it.velocities[1], *it.omegas, *it.solution]
 

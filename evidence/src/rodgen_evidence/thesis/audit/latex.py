@@ -72,7 +72,7 @@ def equation(
     put_right: tuple[str, str, str] = ("", "", ""),
     **more: Any,
 ) -> Claim:
-    """What is printed out, as it is read, for every s of a range.
+    """Claim of a printed equation, as it is read, for every s of a range.
 
     as_read: the name of the reading, a part of the text, and what it is read as; put_right: where
     the wrong part begins, which goes to the last brace, the right one, and what it replaces.
@@ -186,7 +186,7 @@ class _Reader:
         return lambda names: names[name]
 
     def sum(self) -> Form:
-        """From a limit to another, or over all links but one."""
+        """Sum from a limit to another, or over all links but one."""
         self.take("_")
         self.take("{")
         index, relation = self.take(), self.take("=", r"\ne")

@@ -1,4 +1,4 @@
-"""What is true of the free, uniform rod of n links, from derivation 1: nothing is retyped.
+"""True equations of the free, uniform rod of n links, from derivation 1: nothing is retyped.
 
 Energies, their derivatives, matrices and loads are those of derive.explicit, written in plain
 real letters: x0, y0, phi_i, their rates vx0, vy0, omega_i, and the rates of those.
@@ -45,7 +45,7 @@ Column = list[Expr]
 Acting = tuple[PolyElement, PolyElement]  # a force or moment, and the rate along which it acts
 
 
-class Truth:
+class TrueEquations:
     """Derived entries for n links; rows are x0, y0, phi_0 .. phi_{n-1}."""
 
     def __init__(self, n: int) -> None:
@@ -107,7 +107,7 @@ class Truth:
 
     @cached_property
     def lagrangian(self) -> Expr:
-        """What the equations were derived from."""
+        """Lagrangian from which the equations were derived."""
         # LagrangesMethod has no public name for it.
         ((poly,),) = self.derived.lagranges_method._L.rows
         return self.letters(poly)
@@ -224,9 +224,9 @@ class Truth:
 
 
 @cache
-def truth(n: int) -> Truth:
+def truth(n: int) -> TrueEquations:
     """The truth for n links; truth.cache_clear() after a change of what derive/ says."""
-    return Truth(n)
+    return TrueEquations(n)
 
 
 def product(matrix: Matrix, vector: list[Expr]) -> Column:

@@ -35,15 +35,15 @@ class UndecidedError(ArithmeticError):
 
 
 @cache
-def _expanded(term: Expr) -> Expr:
-    """cos or sin of a sum of angles, by the addition theorems."""
+def _expand_angles(term: Expr) -> Expr:
+    """Expand cos or sin of a sum of angles by the addition theorems."""
     return expand_trig(term)
 
 
 def addition_theorems(expression: Expr) -> Expr:
     """The expression in cosines and sines of single angles."""
     found = expression.atoms(cos, sin)
-    return expression.xreplace({term: _expanded(term) for term in found})
+    return expression.xreplace({term: _expand_angles(term) for term in found})
 
 
 def normal_forms(*expressions: Expr) -> list[PolyElement]:
@@ -91,7 +91,10 @@ def is_zero(expression: Expr) -> bool:
 
 
 def _is_zero_fraction(expression: Expr) -> bool:
-    """What is not a polynomial: its numerator, or a number at a point, or SymPy's simplify."""
+    """Whether an expression that is no polynomial is zero.
+
+    By its numerator, a number at a point, or SymPy's simplify.
+    """
     numerator, denominator = fraction(together(addition_theorems(expression)))
     if denominator != 1:
         try:

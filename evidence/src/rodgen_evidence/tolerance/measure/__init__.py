@@ -1,1 +1,1 @@
-"""What is measured of a random scene: errors and times of methods, against two tight runs."""
+"""Measurements of a random scene: errors and times of methods, against two tight runs."""

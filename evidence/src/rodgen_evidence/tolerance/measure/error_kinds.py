@@ -1,4 +1,4 @@
-"""How far two runs are apart, by kind of quantity, over what a tolerance asks for."""
+"""Distances of two runs by kind of quantity, over what a tolerance allows."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ ATOL = 0.01  # of rtol, as the default tolerances of scenes are
 
 
 def quantities(solution: rodgen.Solution) -> dict[str, Array]:
-    """What is compared, each (T, parts): velocities are those of joint 0 where it is free."""
+    """Quantities that are compared, each (T, parts); velocities are those of a free joint 0."""
     count = len(solution.t)
     base = 2 * solution.boundary_condition.translates
     half = (solution.y.shape[1] - len(solution.extra_states)) // 2
@@ -50,8 +50,8 @@ def apart(a: dict[str, Array], b: dict[str, Array]) -> dict[str, Any]:
     return found
 
 
-def tolerated(size: float, rtol: float) -> float:
-    """What a tolerance asks for of a quantity of that largest value."""
+def tolerated_error(size: float, rtol: float) -> float:
+    """Largest error that a tolerance allows in a quantity of that largest value."""
     return rtol * size + ATOL * rtol
 
 

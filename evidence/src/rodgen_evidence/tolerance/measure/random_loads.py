@@ -26,8 +26,8 @@ class Loads(RandomRod):
     def links(self) -> int:
         return LONG if self.chance(0.1) else int(self.shape.integers(2, MOST + 1))
 
-    def sensed(self) -> str:
-        """An angle, or a rate over T, of a point of the rod."""
+    def sensor(self) -> str:
+        """Expression of an angle, or of a rate over T, of a point of the rod."""
         sign = "-" if self.chance(0.5) else ""
         if self.chance(0.5):
             return f"({sign}phi({self.spot()}))"
@@ -39,7 +39,7 @@ class Loads(RandomRod):
         given = {"P": self.size(low, high), "Q": self.size(low, high), "a": self.size(0.01, 0.5)}
         given |= {"w": self.size(0.3, 20) / self.T, "r": self.size(0.1, 10) * self.T}
         numbers = {name: repr(value) for name, value in given.items()}
-        return text.format(sensed=self.sensed(), b=repr(self.size(0.05, 1)), **numbers)
+        return text.format(sensed=self.sensor(), b=repr(self.size(0.05, 1)), **numbers)
 
     def loads(self) -> Tables:
         """Loads of all kinds, each with its chance."""
@@ -51,7 +51,10 @@ class Loads(RandomRod):
         if self.chance(0.15):
             found["distributed_follower"] = {"force_per_length": self.size(0.1, 15) * F / self.L}
         if self.chance(0.2):
-            found["tip"] = {"x": self.signed(0.05, 3) * F, "y": self.law(FORCES, 0.05 * F, 2 * F)}
+            found["tip"] = {
+                "x": self.signed_size(0.05, 3) * F,
+                "y": self.law(FORCES, 0.05 * F, 2 * F),
+            }
         if self.chance(0.35):
             found["gravity"] = {"g": self.size(0.1, 30) * F / self.M}
         return found | self.damping(T)
@@ -62,7 +65,7 @@ class Loads(RandomRod):
         return found | ({"angle": angle} if angle else {})
 
     def damping(self, T: float) -> Tables:
-        """From next to none to many times the critical one."""
+        """Draw a damping from next to none to many times the critical one."""
         found: Tables = {}
         if self.chance(0.55):
             found["material_damping"] = {"time": self.size(1e-6, 0.1) * T}
@@ -74,7 +77,7 @@ class Loads(RandomRod):
             medium, speed = self.M / self.L**2, self.L / T
             found["drag"] = {"normal": self.size(0.05, 3) * medium}
             found["drag"]["tangential"] = self.size(0.01, 0.3) * medium
-            wind: list[Any] = [self.signed(0.1, 3) * speed for _ in range(2)]
+            wind: list[Any] = [self.signed_size(0.1, 3) * speed for _ in range(2)]
             if self.chance(0.3):
                 wind[0] = f"{self.size(0.1, 3) * speed!r}*sin({self.size(0.3, 10) / T!r}*t)"
             found["drag"]["wind"] = wind

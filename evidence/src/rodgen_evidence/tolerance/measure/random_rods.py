@@ -31,7 +31,7 @@ class _Rod(Loads):
         rod |= {"links": self.n, "boundary": self.boundary, "inertia": self.inertia}
         found: Tables = {"name": f"tolerance_{seed}", "rod": rod, "loads": self.loads()}
         if "gimbal" in repr(found["loads"]):
-            follows = f"{self.size(0.05, 2)!r}*{self.sensed()}"
+            follows = f"{self.size(0.05, 2)!r}*{self.sensor()}"
             rate = f"{self.size(2, 50) / self.T!r}*({follows} - gimbal)"
             found["states"] = {"gimbal": {"rate": rate, "initial": self.size(1e-3, 0.1)}}
         found |= self.springs() | self.bodies()
@@ -48,14 +48,14 @@ class _Rod(Loads):
     def start(self) -> Tables:
         """Bent or kicked; one in ten straight and at rest."""
         how = self.sizes.choice(["bent", "kicked", "both", "rest"], p=[0.4, 0.25, 0.25, 0.1])
-        a, b = (self.signed(1e-3, 1.0) for _ in range(2))
+        a, b = (self.signed_size(1e-3, 1.0) for _ in range(2))
         found: Tables = {}
         if how in ("bent", "both"):
             found["phi"] = f"{a!r}*s + {b!r}*s*s*(1 - s)"
         if how in ("kicked", "both"):
-            found["omega"] = f"{self.signed(1e-2, 3) / self.T!r}*sin({self.size(1, 6)!r}*s)"
+            found["omega"] = f"{self.signed_size(1e-2, 3) / self.T!r}*sin({self.size(1, 6)!r}*s)"
         if self.boundary == "free" and self.sizes.random() < 0.5:
-            found["velocity"] = [self.signed(0.01, 3) * self.L / self.T for _ in range(2)]
+            found["velocity"] = [self.signed_size(0.01, 3) * self.L / self.T for _ in range(2)]
         return found
 
     def springs(self) -> Tables:

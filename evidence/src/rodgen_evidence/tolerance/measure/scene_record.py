@@ -12,7 +12,7 @@ from rodgen.system import System
 from rodgen_evidence.tolerance.measure.error_kinds import ATOL, Array, apart, quantities
 from rodgen_evidence.tolerance.measure.random_rods import random_tables
 from rodgen_evidence.tolerance.measure.tight_pair import TightPair, tight_pair
-from rodgen_evidence.tolerance.measure.timed_runs import timed
+from rodgen_evidence.tolerance.measure.timed_runs import time_run
 
 Record = dict[str, Any]
 
@@ -23,12 +23,14 @@ PATIENCE = 1.5  # seconds of a run
 TIMES_LONGER = 20.0  # than dop853, that rk45 may take
 
 
-def measured(seed: int, rtols: tuple[float, ...] = RTOLS) -> Record:
-    """The record of the scene of a number."""
+def measure_scene(seed: int, rtols: tuple[float, ...] = RTOLS) -> Record:
+    """Measure the scene of a number; return its record."""
     scene = rodgen.Scene.from_dict(random_tables(seed))
     model = rodgen.build(scene, "c")
     for method in ("gauss", "dop853"):  # what they need is compiled before they are timed
-        timed(scene, model, method, 1e-3, PATIENCE, 1, span=(0.0, 1e-6 * scene.integrate.span[1]))
+        time_run(
+            scene, model, method, 1e-3, PATIENCE, 1, span=(0.0, 1e-6 * scene.integrate.span[1])
+        )
     pair = tight_pair(scene, model)
     found: Record = {"features": features(scene, model)}
     if pair is None:
@@ -75,7 +77,7 @@ def run(
     patience: float = PATIENCE,
 ) -> Record:
     """The row of one run; errors and seconds are None where it did not come to its end."""
-    done = timed(scene, model, method, rtol, patience)
+    done = time_run(scene, model, method, rtol, patience)
     row: Record = {"method": method, "rtol": rtol, "warned": done.warned, "ended": done.ended}
     if done.solution is None:
         return row | {"errors": None, "seconds": None, "steps": None}
@@ -88,7 +90,7 @@ def run(
 
 
 def features(scene: rodgen.Scene, model: ModuleType) -> Record:
-    """What `auto` judges by, and what the scene has."""
+    """Features by which `auto` judges, and parts of the scene."""
     span = scene.integrate.span[1] - scene.integrate.span[0]
     found: Record = {"n": scene.rod.links, "boundary": scene.rod.boundary, "span": span}
     found["loads"] = [*scene.structure.terms]

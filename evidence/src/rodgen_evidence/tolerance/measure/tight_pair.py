@@ -20,7 +20,7 @@ from rodgen_evidence.tolerance.measure.error_kinds import (
     relative,
     sizes,
 )
-from rodgen_evidence.tolerance.measure.timed_runs import timed
+from rodgen_evidence.tolerance.measure.timed_runs import time_run
 
 FIRST = ("dop853", 1e-13), ("gauss", 1e-13)
 THIRD = "radau", 1e-12
@@ -50,7 +50,7 @@ def tight_pair(scene: rodgen.Scene, model: ModuleType) -> TightPair | None:
     for method, rtol in (*FIRST, THIRD):
         if method == THIRD[0] and (not runs or _are_close(runs)):
             break
-        solution = timed(scene, model, method, rtol, PATIENCE, 1).solution
+        solution = time_run(scene, model, method, rtol, PATIENCE, 1).solution
         if solution is not None:
             runs[method] = quantities(solution)
     if len(runs) < 2:
@@ -60,7 +60,7 @@ def tight_pair(scene: rodgen.Scene, model: ModuleType) -> TightPair | None:
     size, growth = sizes(runs[a]), 0.0
     for shift in BESIDE:
         beside = _beside(scene, runs[a], shift)
-        parted = timed(System(scene).at(y0=beside), model, a, rtol, 2 * PATIENCE, 1).solution
+        parted = time_run(System(scene).at(y0=beside), model, a, rtol, 2 * PATIENCE, 1).solution
         if parted is None:
             return None
         grown = apart(runs[a], quantities(parted))
@@ -75,7 +75,7 @@ def _are_close(runs: dict[str, dict[str, Array]]) -> bool:
 
 
 def _distance(a: dict[str, Array], b: dict[str, Array]) -> float:
-    """Of motions, not of works."""
+    """Relative distance of two motions, without their works."""
     differences = {kind: off for kind, off in apart(a, b).items() if kind != WORK}
     return relative(differences, sizes(a))
 

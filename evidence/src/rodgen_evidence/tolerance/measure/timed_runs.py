@@ -25,7 +25,7 @@ class TimedRun(NamedTuple):
     ended: str
 
 
-def timed(
+def time_run(
     system: rodgen.System | rodgen.Scene,
     model: ModuleType,
     method: str,
@@ -34,7 +34,7 @@ def timed(
     times: int = TIMES,
     **given: Any,
 ) -> TimedRun:
-    """The run of a method at a tolerance; patience: seconds after which it is given up."""
+    """Time a run of a method at a tolerance; patience: seconds after which it is given up."""
     best = _once(system, model, method, rtol, patience, given)
     for _ in range(times - 1):
         if best.solution is None or best.seconds > SHORT:

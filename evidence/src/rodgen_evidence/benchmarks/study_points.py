@@ -1,6 +1,6 @@
 """Times of the points of studies, in one process, each beside what it is to be measured by.
 
-python -m rodgen_evidence.benchmarks.study
+python -m rodgen_evidence.benchmarks.study_points
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ from rodgen.studies.task import evaluate
 from rodgen.system import System
 from rodgen_evidence.benchmarks import Times
 from rodgen_evidence.benchmarks.many import FEW, SETTINGS, best, inside
-from rodgen_evidence.report.costs.rod import VALUES, scene
+from rodgen_evidence.report.costs.cost_rows import VALUES, scene
 
 FORCE, TIME, MASS = "loads.follower.force", "loads.material_damping.time", "rod.mass"
 BECK: dict[str, Any] = {
@@ -35,8 +35,8 @@ BECK: dict[str, Any] = {
 LIMIT = 240.0  # s, for a whole map on two cores
 
 
-def computed(study: Study, at: list[int]) -> dict[str, Any]:
-    """What is kept of some points."""
+def compute(study: Study, at: list[int]) -> dict[str, Any]:
+    """Compute some points of a study."""
     return evaluate(study, points_at(study, at))
 
 
@@ -47,10 +47,10 @@ def runs(times: Times, count: int, span: float) -> None:
     keep = ["last(phi_19)", "max(phi_19)", "max(tip_x)"]
     study = Study.of(of, {FORCE: forces}, keep=keep)
     every = list(range(count))
-    computed(study, every[:8])
+    compute(study, every[:8])
     with inside() as taken:
         start = time.process_time()
-        computed(study, every)
+        compute(study, every)
         whole = time.process_time() - start
     what = f"{count} runs of {span:g} s, n=20, in a study"
     times.add(what, whole / count, "their own time in C", sum(taken) / count)
@@ -69,8 +69,8 @@ def critical(times: Times, count: int, size: int) -> None:
     vary = {TIME: np.geomspace(1e-3, 3.0, size), MASS: np.linspace(10.0, 40.0, size)}
     study = Study.of(rodgen.Scene.from_dict(BECK), vary, analysis="critical")
     some = np.random.default_rng(1).choice(study.count, count, replace=False).tolist()
-    computed(study, some[:2])
-    taken = best(1, lambda: computed(study, some)) / count
+    compute(study, some[:2])
+    taken = best(1, lambda: compute(study, some)) / count
     allowed = 2 * LIMIT / 200**2
     times.add("critical force of Beck's column, n=20", taken, "6 ms on each of two cores", allowed)
 
@@ -81,13 +81,13 @@ def border(times: Times, size: int) -> None:
     of = rodgen.Scene.from_dict(BECK)
     study = Study.of(of, vary, analysis="modes", keep=["stable"])
     some = np.random.default_rng(1).choice(study.count, min(400, study.count), replace=False)
-    computed(study, some[:2].tolist())
-    point = best(1, lambda: computed(study, some.tolist())) / len(some)
+    compute(study, some[:2].tolist())
+    point = best(1, lambda: compute(study, some.tolist())) / len(some)
     start = time.process_time()
     steps, values = adaptive.refinement_rounds(study), None
     while True:
         try:
-            values = computed(study, next(steps) if values is None else steps.send(values))
+            values = compute(study, next(steps) if values is None else steps.send(values))
         except StopIteration:
             break
     taken = time.process_time() - start

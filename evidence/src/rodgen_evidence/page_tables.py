@@ -52,7 +52,7 @@ def numeric(shown: Callable[[float], str], value: Value) -> str:
 
 
 def as_in(spec: str) -> Show:
-    """By a format."""
+    """Return the function that prints numbers by a format."""
     return partial(numeric, f"{{:{spec}}}".format)
 
 

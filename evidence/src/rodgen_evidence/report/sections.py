@@ -35,8 +35,8 @@ Contents = dict[str, list[Measured]]
 Planner = Callable[..., list[Unit]]
 
 
-def needed(chosen: Iterable[str]) -> list[str]:
-    """The sections chosen and those that they are made from, in the order of the report."""
+def required_sections(chosen: Iterable[str]) -> list[str]:
+    """List the sections chosen and those that they need, in the order of the report."""
     found = set(chosen)
     for name in reversed(SECTIONS):
         if name in found:
@@ -59,7 +59,7 @@ def measure(
     other sections as well; done: told every result.
     """
     runner = Runner(folder / MEASURED, fingerprint(), resume, done)
-    names = needed(chosen)
+    names = required_sections(chosen)
     found: Contents = {}
     for depth in range(1 + max(map(_depth, SECTIONS))):
         looked_at = SECTIONS if resume else names
@@ -75,7 +75,7 @@ def measure(
 
 
 def _depth(section: str) -> int:
-    """How many sections have to be measured before it, one after the other."""
+    """Number of sections that have to be measured before one, one after the other."""
     return max((1 + _depth(name) for name in AFTER.get(section, ())), default=0)
 
 

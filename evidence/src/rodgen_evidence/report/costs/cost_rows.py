@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 import rodgen
 from rodgen.analyse.precision.contestant import Measurement, describe_error
 from rodgen_evidence.report import cases
-from rodgen_evidence.report.timing import Batch, interleaved
+from rodgen_evidence.report.interleaved_timing import Batch, time_in_turns
 
 Array = NDArray[np.float64]
 
@@ -34,8 +34,8 @@ def built(links: int, terms: tuple[str, ...], target: str = "c", form: str = "ch
     return rodgen.build(rodgen.Structure(links, terms=terms), target, form)
 
 
-def packed(module: ModuleType) -> Array:
-    """Those of VALUES that a module has."""
+def parameter_vector(module: ModuleType) -> Array:
+    """Parameters of a module, with the numbers of VALUES."""
     names = {name: value for name, value in VALUES.items() if name in module.PARAMETERS}
     p: Array = module.parameters(**names)
     return p
@@ -63,7 +63,7 @@ def row(what: str, who: str, links: int, seconds: float | None = None, **more: A
     return {"what": what, "who": who, "n": links, "seconds": seconds, **empty, **more}
 
 
-def compared(
+def compare_costs(
     what: str,
     links: int,
     contestants: Mapping[str, Callable[[], Batch]],
@@ -85,5 +85,5 @@ def compared(
         return rows
     slow = max(batch(1) for batch in batches.values()) > SLOW
     rounds = min(most, FEW if slow or quick else ROUNDS)
-    times = interleaved(batches, rounds, BATCH)
+    times = time_in_turns(batches, rounds, BATCH)
     return [row(what, who, links, times[who], rounds=rounds) for who in batches] + rows

@@ -1,4 +1,4 @@
-"""What a simulated second of the special model costs, by method and target."""
+"""Times of a simulated second of the special model, by method and target."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ def largest_step(links: int) -> float:
 
 
 def times(factors: Sequence[float]) -> str:
-    """By how much run times were multiplied, from the least to the most of the factors."""
+    """Describe by how much run times were multiplied, from the least to the largest factor."""
     least, most = (f"{float(f'{f:.{ROUND}g}'):g}" for f in (min(factors), max(factors)))
     return f"{least} times" if least == most else f"{least} to {most} times"
 

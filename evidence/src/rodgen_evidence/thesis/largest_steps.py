@@ -14,8 +14,8 @@ from rodgen.integrate import RunError, simulate
 from rodgen.integrate.stability import step_limit
 from rodgen_evidence.thesis import data, scenes
 from rodgen_evidence.thesis.data import unit
-from rodgen_evidence.thesis.table import LINKS, VERDICT, Note, Table, column
-from rodgen_evidence.thesis.timing import fastest
+from rodgen_evidence.thesis.special_times import fastest
+from rodgen_evidence.thesis.table import LINKS, VERDICT, Remark, ThesisTable, column
 
 # Assumed: internal damping, without which no step of Euler's method is stable. The round value
 # with which four of its five largest steps come out as they are printed (see below).
@@ -96,10 +96,10 @@ def largest_step(links: int, method: str) -> float:
     return low
 
 
-def table_4_1() -> Table:
+def table_4_1() -> ThesisTable:
     """Largest steps of every method."""
     rows = DataFrame(map(_row, data.by_method(data.TABLE_4_1).itertuples()))
-    table = Table("4.1", "Largest stable step", COLUMNS_4_1, rows)
+    table = ThesisTable("4.1", "Largest stable step", COLUMNS_4_1, rows)
     table.conditions = ["none: neither rod, damping, motion nor span is given"]
     table.assumed = [
         f"The free rod of 3.3 with m = {scenes.MASS:g} kg and c_int = {DAMPING:g} m^2/s, values "
@@ -113,8 +113,8 @@ def table_4_1() -> Table:
     return table
 
 
-def reproduced(mass: float) -> int:
-    """How many printed steps are the theory's limits, rounded down, with a mass [kg] and the
+def count_matches(mass: float) -> int:
+    """Count the printed steps that are the theory's limits, rounded down, with a mass [kg] and the
     product of mass and internal damping kept."""
     damping = DAMPING * scenes.MASS / mass
     return sum(
@@ -123,21 +123,21 @@ def reproduced(mass: float) -> int:
     )
 
 
-def note_on_masses() -> Note:
+def note_on_masses() -> Remark:
     """The masses that two columns ask for, beside each other."""
     semi, kutta = (common(masses(method))[0] for method in UNDAMPED)
     low, high = max(semi.low, kutta.low), min(semi.high, kutta.high)
     both = f"overlap from {low:.1f} to {high:.1f} kg" if low < high else "do not overlap"
-    counts = {mass / 10: reproduced(mass / 10) for mass in TENTHS}
+    counts = {mass / 10: count_matches(mass / 10) for mass in TENTHS}
     most = max(counts.values())
     best = [mass for mass, count in counts.items() if count == most]
-    return Note(
+    return Remark(
         "consistent",
         f"The masses of the semi-implicit Euler and the Runge-Kutta column {both}. With the "
         f"damping assumed, and c_int M kept, {best[0]:.1f} to {best[-1]:.1f} kg reproduce {most} "
         f"of the {data.TABLE_4_1[[*data.METHODS]].size} steps; {scenes.MASS:g} kg, the round mass "
         "that is assumed all the same, "
-        f"{reproduced(scenes.MASS)}.",
+        f"{count_matches(scenes.MASS)}.",
     )
 
 
@@ -202,7 +202,7 @@ def dampings() -> tuple[Interval, ...]:
 
 
 def common(intervals: tuple[Interval, ...]) -> tuple[Interval, tuple[int, ...]]:
-    """What most of the intervals share, and the links of those that do."""
+    """Interval that most of the intervals share, and the links of those that do."""
     best: tuple[int, ...] = ()
     for at in (i.low for i in intervals):
         holding = tuple(i.links for i in intervals if i.low <= at < i.high)
@@ -217,20 +217,20 @@ def slope(method: str) -> float:
     return float(-ends[method].iloc[1] / ends["links"].iloc[1])
 
 
-def notes_on_steps() -> list[Note]:
-    """What table 4.1 tells of the rod it was made with."""
+def notes_on_steps() -> list[Remark]:
+    """Remarks on the rod that table 4.1 was made with."""
     semi, links = common(masses("semi_implicit_euler"))
     kutta, kutta_links = common(masses("thesis_runge_kutta"))
     product, euler_links = common(dampings())
     return [
-        Note(
+        Remark(
             "consistent",
             f"Semi-implicit Euler: h = 2/omega gives the printed steps, rounded down, of n = "
             f"{_list(links)} with a mass from {semi.low:.1f} to {semi.high:.1f} kg. 50, the number "
             "of grams in 3.2, lies in it; "
             f"{scenes.MASS:g} kg is assumed. The others ask for another mass.",
         ),
-        Note(
+        Remark(
             "consistent",
             "Runge-Kutta: the limit of the method as listed, h omega = "
             f"{UNDAMPED['thesis_runge_kutta']:.3f}, gives the steps of n = {_list(kutta_links)} "
@@ -239,14 +239,14 @@ def notes_on_steps() -> list[Note]:
             "equal, as those of the listing are. The step at n = 10 is 5 times that at n = 20, "
             "where theory has 4.",
         ),
-        Note(
+        Remark(
             "shown",
             "Euler: without damping no step is stable. With the internal damping of the thesis all "
             "modes have the limit h = c_int M L/(EI n^2), which falls with n^2; a growth that is "
             "not seen within a fixed span would let it fall with n^4, external damping too. The "
             f"printed steps fall with n^{slope('euler'):.2f} from n = 10 to 40.",
         ),
-        Note(
+        Remark(
             "consistent",
             f"Those of n = {_list(euler_links)} follow with c_int M from {product.low:.3g} to "
             f"{product.high:.3g} kg m^2/s, thus with {scenes.MASS:g} kg and c_int = {DAMPING:g} "

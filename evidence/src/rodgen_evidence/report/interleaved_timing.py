@@ -12,10 +12,10 @@ from collections.abc import Callable, Mapping, Sequence
 Batch = Callable[[int], float]  # so many calls -> the seconds that they took together
 
 
-def interleaved(
+def time_in_turns(
     contestants: Mapping[str, Batch], rounds: int = 41, seconds: float = 0.005
 ) -> dict[str, float]:
-    """Median seconds of a call of each, batches of which take turns, about ``seconds`` long."""
+    """Time batches in turns, each about ``seconds`` long; return median seconds of their calls."""
     numbers = {name: _number(batch, seconds) for name, batch in contestants.items()}
     times: dict[str, list[float]] = {name: [] for name in contestants}
     for _ in range(rounds):

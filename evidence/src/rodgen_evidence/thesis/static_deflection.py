@@ -10,7 +10,7 @@ from rodgen.integrate import simulate
 from rodgen.scene import Scene
 from rodgen_evidence.thesis import data, scenes
 from rodgen_evidence.thesis.percentages import base_of
-from rodgen_evidence.thesis.table import VERDICT, Note, Table, beside, column
+from rodgen_evidence.thesis.table import VERDICT, Remark, ThesisTable, beside, column
 
 LINKS = 50
 GRAVITY = 9.81  # m/s^2
@@ -49,7 +49,7 @@ def cantilever(links: int, boundary: str = "cantilever", settling: bool = False)
     )
 
 
-def table_3_3() -> Table:
+def table_3_3() -> ThesisTable:
     """Deflection [m] and rotation [rad] of the tip, simulated and in equilibrium."""
     exact = static_equilibrium(cantilever(LINKS))
     motion = simulate(cantilever(LINKS, settling=True))
@@ -71,7 +71,7 @@ def table_3_3() -> Table:
         }
     )
     rows = beside(rows, data.TABLE_3_3["simulated"])
-    table = Table("3.3", "Cantilever under its own weight", COLUMNS, rows)
+    table = ThesisTable("3.3", "Cantilever under its own weight", COLUMNS, rows)
     table.conditions = ["L = 5 m, EI = 100 N m^2, m = 50 g, 50 links, g = 9.81 m/s^2"]
     table.assumed = [
         f"External damping of {DAMPING:g} 1/s, {SETTLING:g} s, semi-implicit Euler steps of "
@@ -82,28 +82,28 @@ def table_3_3() -> Table:
     return table
 
 
-def _notes(tip: float, short: float, length: float, q: float) -> list[Note]:
+def _notes(tip: float, short: float, length: float, q: float) -> list[Remark]:
     # All curvature of the half link before the first spring is taken by that spring as well.
     link = scenes.LENGTH - length
     softer = q * length**2 / 2 * link / 2 / scenes.STIFFNESS * length
     return [
-        Note(
+        Remark(
             "shown",
             "(3.1) and (3.2) spread the whole mass over L - L/n and so take q too large by "
             f"n/(n-1), {100 / (LINKS - 1):.1f} %; the links that move weigh m g/L per metre.",
         ),
-        Note(
+        Remark(
             "shown",
             f"The simulated deflection is larger than that of the clamped rod of the same length, "
             f"{short:.5f} m, because the first spring, one link from the wall, turns for a whole "
             f"link instead of half a one: by q l^2/2 (L/2n)/EI l = {softer:.5f} m, in sum "
             f"{short + softer:.5f} m against {-tip:.5f} m of the model.",
         ),
-        Note(
+        Remark(
             "consistent",
             f"The deflection is {-tip:.5f} m, which rounds to 0.0736. The printed 0.0735 would be "
             f"cut off, or made with g = 9.8 m/s^2 ({-tip * 9.8 / GRAVITY:.5f} m), or read before "
             "the rod had come to rest.",
         ),
-        Note("found", base_of("3.3")),
+        Remark("found", base_of("3.3")),
     ]

@@ -1,6 +1,6 @@
 """Times of runs under a measured thrust, of many rows beside few that tell of the same curve.
 
-python -m rodgen_evidence.benchmarks.tables
+python -m rodgen_evidence.benchmarks.thrust_tables
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ import rodgen
 from rodgen.scene import Scene
 from rodgen_evidence.benchmarks import Times
 from rodgen_evidence.report.cases import ROD
-from rodgen_evidence.report.timing import calls, interleaved
+from rodgen_evidence.report.interleaved_timing import calls, time_in_turns
 
 KNOTS = np.linspace(0.0, 20.0, 10)
 SCENE = {"name": "rod", "rod": ROD | {"links": 1, "boundary": "pinned"}, "initial": {"phi": 0.1}}
@@ -48,7 +48,7 @@ def tables(rows: int = 100_000, rounds: int = 9, target: str = "c") -> Times:
             reads = {count: partial(Scene.from_toml, path) for count, path in paths.items()}
             for what, of in (("read", reads), ("run", runs)):
                 each = {str(count): calls(function) for count, function in of.items()}
-                times = interleaved(each, rounds=rounds, seconds=0.2)
+                times = time_in_turns(each, rounds=rounds, seconds=0.2)
                 table.add(f"{what}, {kind}, {rows} rows", times[str(rows)], "10", times["10"])
     return table
 

@@ -28,7 +28,7 @@ Function = Callable[[Any], Any]
 
 @dataclass(frozen=True)
 class Algebra:
-    """What expressions are made of, of symbols or of numbers.
+    """Functions that expressions are made of, of symbols or of numbers.
 
     real: turns a number into what is reckoned with; or_one: its argument where that is positive,
     else 1. sqrt, abs and or_one are asked for by external damping alone.
@@ -58,7 +58,7 @@ def accelerations(
         2 * rod.boundary_condition.translates,
     )
     phi, omega, velocity = list(q[base:]), list(u[base:]), list(u[:base])
-    m, l = given["mass"] / by.real(rod.links), given["length"] / by.real(rod.links)
+    m, l = given["mass"] / by.real(rod.n_links), given["length"] / by.real(rod.n_links)
     c, s = [by.cos(angle) for angle in phi], [by.sin(angle) for angle in phi]
     torque = _torques(rod, given, [*[given.get("clamp_angle")] * held, *phi], omega, m, l)
     forces = _drag(rod, given, phi, omega, velocity, by)
@@ -109,8 +109,8 @@ def _torques(
     m: Any,
     l: Any,
 ) -> list[Any]:
-    """On the links that move, by springs and dampers; in m l^2. phi: of all links."""
-    n, held = rod.links, rod.boundary_condition.first
+    """Torques on the links that move, by springs and dampers; in m l^2. phi: of all links."""
+    n, held = rod.n_links, rod.boundary_condition.first
     spring = given["bending_stiffness"] / (m * l * l * l)
     joints = [spring * (phi[i + 1] - phi[i]) for i in range(n - 1)]
     if "internal_damping" in given:
@@ -131,7 +131,7 @@ def _torques(
 def _tail(
     rod: Structure, given: Mapping[str, Any], e: Pair, phi: Any, unit: Any, by: Algebra
 ) -> Pair:
-    """What the loads at the tail take off the force there, in m l; e, phi: of the last link."""
+    """Force that the loads at the tail take off there, in m l; e, phi: of the last link."""
     fx: Any = 0.0
     fy: Any = 0.0
     if "follower" in rod.terms:
@@ -159,7 +159,7 @@ def _drag(
     """
     if "external_damping" not in rod.terms:
         return []
-    held, l = rod.boundary_condition.first, given["length"] / rod.links
+    held, l = rod.boundary_condition.first, given["length"] / rod.n_links
     vx, vy = velocity or (0.0, 0.0)
     found: list[Pair] = []
     for joint in range(len(phi) + 1):

@@ -14,8 +14,16 @@ from rodgen.analyse.references import follower_columns
 from rodgen.analyse.simulated_critical import SimulatedCritical, simulated_critical_load
 from rodgen_evidence.thesis import data, scenes
 from rodgen_evidence.thesis.percentages import base_of, beck
-from rodgen_evidence.thesis.table import LINKS, VERDICT, Note, Table, beside, column, percent
-from rodgen_evidence.thesis.timing import fastest
+from rodgen_evidence.thesis.special_times import fastest
+from rodgen_evidence.thesis.table import (
+    LINKS,
+    VERDICT,
+    Remark,
+    ThesisTable,
+    beside,
+    column,
+    percent,
+)
 
 
 def continuum_load(boundary: str, length: float = scenes.LENGTH) -> float:
@@ -24,12 +32,12 @@ def continuum_load(boundary: str, length: float = scenes.LENGTH) -> float:
     return float(onset.load) * scenes.STIFFNESS / length**2
 
 
-def on_growth(rows: DataFrame) -> Note:
+def on_growth(rows: DataFrame) -> Remark:
     grown = rows["growth"]
     held = 2 * grown / scenes.WATCHED
     count = (rows["deviation"] > 0).sum()
     above = f"All {count}" if count == len(rows) else f"{count} of the {len(rows)}"
-    return Note(
+    return Remark(
         "consistent",
         f"{above} printed forces lie above the critical one of the discrete model, where flutter "
         f"grows slowly: within 200 s by exp({grown.min():.1f}) to exp({grown.max():.1f}), median "
@@ -41,7 +49,7 @@ def on_growth(rows: DataFrame) -> Note:
     )
 
 
-def on_rounding() -> list[Note]:
+def on_rounding() -> list[Remark]:
     """Printed values of (3.4) that are not the formula's, rounded."""
     wrong = [
         f"{row.analytical} N at n = {row.links}, of {beck(row.links):.4f} N"
@@ -49,10 +57,10 @@ def on_rounding() -> list[Note]:
         if f"{beck(row.links):.2f}" != row.analytical
     ]
     text = f"Cut off or misprinted instead of rounded in the analytical column: {'; '.join(wrong)}."
-    return [Note("found", text)] if wrong else []
+    return [Remark("found", text)] if wrong else []
 
 
-def on_ours(rows: DataFrame) -> Note:
+def on_ours(rows: DataFrame) -> Remark:
     off, early = rows["ours_deviation"], rows["beat"].notna()
     small, large = (", ".join(map(str, rows["links"][some])) for some in (early, ~early))
     text = (
@@ -72,12 +80,14 @@ def on_ours(rows: DataFrame) -> Note:
             f" With n = {large} it is too large: beyond the onset flutter grows so slowly "
             "that it is seen late."
         )
-    return Note("shown", f"{text} A simulation of {scenes.WATCHED:g} s cannot tell the two apart.")
+    return Remark(
+        "shown", f"{text} A simulation of {scenes.WATCHED:g} s cannot tell the two apart."
+    )
 
 
-def on_coefficient() -> Note:
+def on_coefficient() -> Remark:
     true = follower_columns.thrust().load
-    return Note(
+    return Remark(
         "shown",
         f"(3.3) has the coefficient {data.THRUST_COEFFICIENT}; the characteristic equation gives "
         f"{true:.10f}, {percent(float(data.THRUST_COEFFICIENT), float(true)):+.3f} % of "
@@ -86,9 +96,9 @@ def on_coefficient() -> Note:
     )
 
 
-def on_convergence(rows: DataFrame) -> Note:
+def on_convergence(rows: DataFrame) -> Remark:
     ours = richardson(list(rows["links"]), list(rows["discrete"]))
-    return Note(
+    return Remark(
         "shown",
         f"Eigenvalues extrapolated over n: {ours.value:.6f} N, error about {ours.error:.1g} N, "
         f"observed order {ours.orders[-1]:.2f}; the continuum has {continuum_load('free'):.6f} N.",
@@ -151,51 +161,51 @@ def beat(links: int, boundary: str, force: float) -> float:
     return np.nan if modes.growth.any() else float(1 / np.diff(modes.frequencies).min())
 
 
-def table_3_4(links: Sequence[int] | None = None, span: float = scenes.WATCHED) -> Table:
+def table_3_4(links: Sequence[int] | None = None, span: float = scenes.WATCHED) -> ThesisTable:
     """Free rod under thrust; links: those of the rows, or all."""
     every = data.TABLE_3_4
     printed = every if links is None else every[every["links"].isin(links)].reset_index(drop=True)
     rows = _rows("free", printed, span)
     rows["thesis_seconds"] = printed["seconds"].astype(float)
-    table = Table("3.4", "Critical force of the free rod", COLUMNS_3_4, rows, [*CONDITIONS])
-    table.assumed = [_assumed(span)]
+    table = ThesisTable("3.4", "Critical force of the free rod", COLUMNS_3_4, rows, [*CONDITIONS])
+    table.assumed = [_assumptions(span)]
     table.notes = [
         on_growth(rows),
         on_ours(rows),
         on_coefficient(),
-        Note("found", base_of("3.4")),
+        Remark("found", base_of("3.4")),
     ]
     if len(rows) > 3:
         table.notes.append(on_convergence(rows))
     return table
 
 
-def table_3_6() -> Table:
+def table_3_6() -> ThesisTable:
     """Cantilever under a follower force."""
     printed = data.TABLE_3_6
     rows = _rows("cantilever", printed, scenes.WATCHED)
     rows["thesis_analytical"] = printed["analytical"].astype(float)
     rows["clamped"] = [critical_load(scenes.thrust(n, "clamped")).value for n in rows["links"]]
-    table = Table("3.6", "Critical force of the cantilever", COLUMNS_3_6, rows, [*CONDITIONS])
-    table.assumed = [_assumed(scenes.WATCHED)]
+    table = ThesisTable("3.6", "Critical force of the cantilever", COLUMNS_3_6, rows, [*CONDITIONS])
+    table.assumed = [_assumptions(scenes.WATCHED)]
     table.notes = [
         on_growth(rows),
         on_ours(rows),
-        Note(
+        Remark(
             "shown",
             "The values fall with n towards 20.05 EI/L^2 as those of the discrete model do, and "
             "lie below (3.4), the analytical column: the first spring, one link from the wall, "
             "makes the rod softer than the continuous one of the length L - L/n, which (3.4) is "
             "for.",
         ),
-        Note("found", base_of("3.6")),
+        Remark("found", base_of("3.6")),
         *on_rounding(),
     ]
     return table
 
 
 def _rows(boundary: str, printed: DataFrame, span: float) -> DataFrame:
-    """For the printed forces."""
+    """Rows for the printed forces."""
     forces = printed["simulated"].astype(float)
     pairs = zip(printed["links"], forces, strict=True)
     rows = DataFrame([_row(links, boundary, force, span) for links, force in pairs])
@@ -208,7 +218,7 @@ def _rows(boundary: str, printed: DataFrame, span: float) -> DataFrame:
 
 def _row(links: int, boundary: str, force: float, span: float) -> dict[str, float]:
     exact = critical_load(scenes.thrust(links, boundary)).value
-    ours = simulated(links, boundary, exact, span)
+    ours = simulate_critical_force(links, boundary, exact, span)
     length = scenes.LENGTH * (1 if boundary == "free" else 1 - 1 / links)
     return {
         "simulated": ours.value,
@@ -220,8 +230,10 @@ def _row(links: int, boundary: str, force: float, span: float) -> dict[str, floa
     }
 
 
-def simulated(links: int, boundary: str, near: float, span: float) -> SimulatedCritical:
-    """The critical force as the thesis found it, by growth within a span [s], next to `near` [N],
+def simulate_critical_force(
+    links: int, boundary: str, near: float, span: float
+) -> SimulatedCritical:
+    """Find the critical force as the thesis did, by growth within a span [s], next to `near` [N],
     by the semi-implicit Euler method."""
     scene = scenes.thrust(links, boundary)
     step = WHOLE / np.ceil(WHOLE * fastest(links) / (2 * SAFETY))
@@ -237,7 +249,7 @@ def simulated(links: int, boundary: str, near: float, span: float) -> SimulatedC
     )
 
 
-def _assumed(span: float) -> str:
+def _assumptions(span: float) -> str:
     return (
         f"m = {scenes.MASS:g} kg, no damping, no gravity. Simulated: bent by 1e-5 rad, called "
         f"unstable if the bending grows a hundred times within {span:g} s; forces halved to "

@@ -1,4 +1,4 @@
-"""What came out, in sentences that follow from the rows."""
+"""Results of a report in sentences that follow from its rows."""
 
 from __future__ import annotations
 
@@ -20,9 +20,9 @@ from rodgen_evidence.report.contents import (
     Contents,
     failures,
     frame,
-    judged,
+    may_have_reference,
     of,
-    trusted,
+    reference_error,
 )
 from rodgen_evidence.report.precision.growth import grows
 from rodgen_evidence.report.stability.rounding import losing
@@ -40,8 +40,8 @@ def scenes(contents: Contents) -> list[str]:
 
 def best_row(contents: Contents, scene: str) -> Measurement:
     """A line of the summary: the fastest for every error that is asked."""
-    rows, limit = of(contents, "precision", scene=scene), trusted(contents, scene)
-    if not judged(contents, scene):
+    rows, limit = of(contents, "precision", scene=scene), reference_error(contents, scene)
+    if not may_have_reference(contents, scene):
         return {
             "scene": scene,
             **dict.fromkeys((format_short(e, ".0e") for e in ASKED), "no reference"),
@@ -69,7 +69,7 @@ def _best(rows: list[Measurement], error: float, limit: float) -> str:
 
 def sentences(contents: Contents) -> list[str]:
     """Summary in sentences, of the sections that there are."""
-    said = [_failed(contents)]
+    said = [_failure_counts(contents)]
     said += [_wrong(contents)] if of(contents, "extremes") else []
     said += [_steps(contents)] if of(contents, "steps") else []
     said += [_rounding(contents)] if of(contents, "rounding") else []
@@ -84,7 +84,7 @@ def growths(contents: Contents) -> list[str]:
 
 
 def growth(scene: str, rows: list[Measurement]) -> str:
-    """How fast errors grow on a scene, and what that leaves."""
+    """Describe how fast errors grow on a scene, and what that leaves."""
     rates = frame(rows)["rate"].dropna()
     if rates.empty:
         return f"{scene}: no rate at which errors grow could be fitted."
@@ -102,7 +102,7 @@ def growth(scene: str, rows: list[Measurement]) -> str:
     )
 
 
-def _failed(contents: Contents) -> str:
+def _failure_counts(contents: Contents) -> str:
     lines, rows = failures(contents), sum(len(of(contents, section)) for section in contents)
     kinds = lines.value_counts("kind", sort=False).reindex(lines["kind"].unique())
     by = lines[lines["kind"] == FAILED].groupby("section", sort=False).size()
