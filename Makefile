@@ -31,7 +31,7 @@ LOCK ?= requirements.lock
 INSTALL = $(BIN)/python -m pip install --quiet --disable-pip-version-check $(addprefix --constraint ,$(LOCK))
 # $(call compile,OPTIONS,REQUIREMENTS,FILE): the versions of all that REQUIREMENTS need.
 compile = $(INSTALL) uv && printf '%s\n' $(2) | $(BIN)/python -m uv pip compile - --quiet --no-annotate --custom-compile-command "make lock" \
-	--no-emit-package rodgen --no-emit-package rodgen-evidence $(1) --output-file $(3)
+	--no-emit-package rodgen --no-emit-package rodgen-evidence --no-emit-package rodgen-live $(1) --output-file $(3)
 LAYOUT := build/layout
 # Each worker begins with a stretch of neighbours, which share what is compiled for them.
 SPREAD := -n auto --dist worksteal
@@ -72,7 +72,7 @@ check: $(if $(ONLY),$(addprefix .check-,$(ONLY)),.check-change)
 # What takes one core each goes side by side, before the tests take both.
 .check-change: $(VENV)/developing $(VENV)/evidence
 	@$(MAKE) --no-print-directory -j2 --output-sync=target .check-pages .check-lint .check-types .check-reference
-	$(PYTEST) $(SPREAD) --times check -m slow tests
+	$(PYTEST) $(SPREAD) --times check -m slow tests live/tests
 	$(PYTEST) $(SPREAD) --times evidence evidence/tests
 
 # The pieces of a page follow one another, in one worker.
@@ -93,7 +93,7 @@ check-clean:
 check-all: test check .check-nightly .check-faults
 
 .check-nightly: .docs-site $(VENV)/evidence
-	$(PYTEST) $(SPREAD) --times nightly -m nightly tests evidence/tests
+	$(PYTEST) $(SPREAD) --times nightly -m nightly tests live/tests evidence/tests
 	$(PYTEST) -n auto -m nightly docs/site
 	$(PYTEST) $(SPREAD) --doctest-modules $(EXAMPLES)
 
@@ -121,14 +121,14 @@ PACKAGE := $(CURDIR)/build/package/$(if $(filter Windows_NT,$(OS)),Scripts,bin)/
 	$(PYTEST) -m "slow or nightly or not nightly" tests/compiled/test_jax.py tests/compiled/test_functions.py docs/how-to
 
 # One file for all Pythons and systems.
-ALL := "-e .[dev,docs]" "-e evidence"
+ALL := "-e .[dev,docs]" "-e evidence" "-e live[dev]"
 lock: $(VENV)/developing
 	@$(call compile,--upgrade --universal --python-version 3.11,$(ALL),$(LOCK))
 
 # The packages as they lie in a wheel: derive/, templates/ and scenes/ inside rodgen/.
 $(LAYOUT): $(VENV)/developing $(VENV)/evidence
 	@rm -rf $@ && mkdir -p $@
-	@cp -R src/rodgen $@/rodgen && cp -R derive templates scenes $@/rodgen/ && cp -R evidence/src/rodgen_evidence $@/
+	@cp -R src/rodgen $@/rodgen && cp -R derive templates scenes $@/rodgen/ && cp -R evidence/src/rodgen_evidence live/src/rodgen_live $@/
 
 .check-lint: $(LAYOUT)
 	$(BIN)/ruff check .
@@ -138,7 +138,7 @@ $(LAYOUT): $(VENV)/developing $(VENV)/evidence
 	cd $(LAYOUT) && PYTHONPATH=$(CURDIR) $(abspath $(BIN))/lint-imports --config ../../pyproject.toml --no-logo
 
 .check-types: $(LAYOUT)
-	cd $(LAYOUT) && $(abspath $(BIN))/mypy --config-file ../../pyproject.toml -p rodgen -p rodgen_evidence
+	cd $(LAYOUT) && $(abspath $(BIN))/mypy --config-file ../../pyproject.toml -p rodgen -p rodgen_evidence -p rodgen_live
 
 .PHONY: $(LAYOUT)
 
@@ -166,7 +166,7 @@ docs: .docs-$(or $(NAME),site)
 	@$(BIN)/python -m rodgen_evidence.figures.cycle_figures scenes docs/pictures
 
 .docs-screenshot: $(VENV)/developing
-	$(BIN)/python -m pytest -m nightly tests/live/test_appearance.py -k shows_a_rod --update
+	$(BIN)/python -m pytest -m nightly live/tests/test_appearance.py -k shows_a_rod --update
 
 # What docs/speed.md and docs/which-method.md show, from the report that was made last.
 .docs-guide: $(VENV)/evidence
@@ -186,17 +186,17 @@ $(VENV)/installed: pyproject.toml $(LOCK) | $(VENV)/bin/python
 	@$(INSTALL) --editable ".[c]"
 	@touch $@
 
-$(VENV)/viewing: pyproject.toml $(LOCK) | $(VENV)/installed
-	@$(INSTALL) --editable ".[view]"
+$(VENV)/viewing: live/pyproject.toml $(LOCK) | $(VENV)/installed
+	@$(INSTALL) --editable live
 	@touch $@
 
-$(VENV)/developing: pyproject.toml $(LOCK) | $(VENV)/bin/python
-	@$(INSTALL) --editable ".[dev]"
-	@touch $(VENV)/installed $@
+$(VENV)/developing: pyproject.toml live/pyproject.toml $(LOCK) | $(VENV)/bin/python
+	@$(INSTALL) --editable ".[dev]" --editable "live[dev]"
+	@touch $(VENV)/installed $(VENV)/viewing $@
 
-$(VENV)/documenting: pyproject.toml $(LOCK) | $(VENV)/bin/python
-	@$(INSTALL) --editable ".[docs]"
-	@touch $(VENV)/installed $@
+$(VENV)/documenting: pyproject.toml live/pyproject.toml $(LOCK) | $(VENV)/bin/python
+	@$(INSTALL) --editable ".[docs]" --editable live
+	@touch $(VENV)/installed $(VENV)/viewing $@
 
 # What shows how far rodgen can be trusted: the commands report, thesis and audit.
 $(VENV)/evidence: evidence/pyproject.toml $(LOCK) | $(VENV)/installed

@@ -42,6 +42,19 @@ LONG = (
     Structure(50, "free", "lumped", ENDS),
 )
 PALETTE = (*SMALL, *LONG)
+# A rod of one of these structures, for tests of pictures and of the live view.
+ROD: dict[str, Any] = {
+    "name": "dart",
+    "rod": {"links": 5, "length": 2.0, "bending_stiffness": 5.0, "mass": 3.0},
+    "loads": {
+        "follower": {"force": 2.0},
+        "gravity": {"g": 9.81},
+        "internal_damping": {"coefficient": 0.0},
+        "external_damping": {"coefficient": 0.0},
+    },
+    "initial": {"phi": "0.2*cos(pi*s)"},
+    "integrate": {"span": [0.0, 5.0], "output_every": 0.01, "method": "dop853"},
+}
 # Several loads of one kind, each at a point of its own: a joint, a point inside a link, the tail.
 PLACED = Structure(4, "clamped", terms=("follower@1+1/4", "follower", "follower@2"))
 TIMED = Structure(

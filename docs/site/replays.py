@@ -7,7 +7,7 @@ from pathlib import Path
 from sphinx.application import Sphinx
 
 import rodgen
-from rodgen.live.page.export import export
+from rodgen_live.page.export import export
 
 SHOWN = {
     "missile": {},

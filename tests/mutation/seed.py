@@ -31,6 +31,7 @@ from tests.mutation.finder import NOTE, ONLY
 ROOT = Path(__file__).parents[2]
 KEPT = ROOT / "build" / "faults.jsonl"
 PACKAGES = {"src/rodgen": "rodgen", "derive": "rodgen/derive", "templates": "rodgen/templates"}
+PACKAGES |= {"live/src/rodgen_live": "rodgen_live"}
 CACHED = (*GENERATOR, "rodgen.check")  # packages that the folder of a cache is named after
 FOUND, MISSED, GONE, BROKEN = "found", "MISSED", "GONE", "BROKEN"
 LIMIT = 900.0  # s of a fault's tests: with the fault there is no end
@@ -49,7 +50,8 @@ def lay(folder: Path) -> Path:
 def place(fault: Fault, layout: Path) -> Path:
     """The one file that has the text. Raises LookupError if there is none, or if the text is
     there more than once."""
-    room = layout / "rodgen" / fault.room.removeprefix("rodgen").strip("/")
+    own = "" if fault.room.startswith("rodgen") else "rodgen"
+    room = layout / own / fault.room
     files = sorted(path for path in room.rglob("*") if path.is_file() and path.suffix != ".so")
     right = fault.right.encode()
     texts = {path: path.read_bytes() for path in files}  # some are no text
@@ -66,9 +68,9 @@ def hash_of(fault: Fault, layout: Path) -> str:
     that tests may import."""
     digest = hashlib.sha256(repr(fault).encode())
     tests = [ROOT / "tests" / test for test in fault.tests.split()]
-    every = (ROOT / "tests").rglob("*.py")
+    every = [*(ROOT / "tests").rglob("*.py"), *(ROOT / "live" / "tests").rglob("*.py")]
     tests += [ROOT / "conftest.py", *(one for one in every if not one.name.startswith("test_"))]
-    for folder in (layout / "rodgen", *tests):
+    for folder in (layout, *tests):
         inside = folder.rglob("*") if folder.is_dir() else [folder]
         for file in sorted(path for path in inside if path.is_file()):
             if file.suffix != ".pyc":

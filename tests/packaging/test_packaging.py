@@ -20,12 +20,17 @@ SUFFIXES = (
     *(".py", ".pyi", ".jinja", ".typed", ".c", ".h", ".toml"),
     *(".js", ".css", ".html", ".LICENSE", ".svg", ".woff2"),
 )
+# What lies where in the wheels, by the folder of a package.
 MAPPED = {
-    "rodgen": "src/rodgen",
-    "rodgen/derive": "derive",
-    "rodgen/templates": "templates",
-    "rodgen/scenes": "scenes",
+    ".": {
+        "rodgen": "src/rodgen",
+        "rodgen/derive": "derive",
+        "rodgen/templates": "templates",
+        "rodgen/scenes": "scenes",
+    },
+    "live": {"rodgen_live": "live/src/rodgen_live"},
 }
+SCRIPTS = (".js", ".css", ".html", ".woff2")  # of the live view alone
 
 
 @pytest.fixture(scope="module")
@@ -44,25 +49,36 @@ def _pip(*arguments: str, cwd: Path) -> None:
 
 
 @pytest.fixture(scope="module")
-def wheel(tree: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
-    folder = tmp_path_factory.mktemp("wheel")
-    _pip("wheel", "--no-deps", "--no-build-isolation", "--wheel-dir", str(folder), ".", cwd=tree)
-    (path,) = folder.glob("*.whl")
-    return path
+def wheels(tree: Path, tmp_path_factory: pytest.TempPathFactory) -> dict[str, Path]:
+    """The wheels of the packages, by their folders."""
+    made = {}
+    for package in MAPPED:
+        folder = tmp_path_factory.mktemp("wheel")
+        options = ("--no-deps", "--no-build-isolation", "--wheel-dir", str(folder))
+        _pip("wheel", *options, ".", cwd=tree / package)
+        (made[package],) = folder.glob("*.whl")
+    return made
+
+
+@pytest.fixture(scope="module")
+def wheel(wheels: dict[str, Path]) -> Path:
+    return wheels["."]
 
 
 @pytest.mark.slow
-def test_wheel_holds_the_tree(wheel: Path) -> None:
-    with zipfile.ZipFile(wheel) as archive:
+@pytest.mark.parametrize("of", MAPPED)
+def test_wheel_holds_the_tree(wheels: dict[str, Path], of: str) -> None:
+    with zipfile.ZipFile(wheels[of]) as archive:
         packed = {name for name in archive.namelist() if ".dist-info/" not in name}
     expected = set()
-    for package, folder in MAPPED.items():
+    for package, folder in MAPPED[of].items():
         for path in (ROOT / folder).rglob("*"):
             if path.suffix in SUFFIXES and "__pycache__" not in path.parts:
                 expected.add(f"{package}/{path.relative_to(ROOT / folder).as_posix()}")
     assert packed == expected
+    assert any(name.endswith(SCRIPTS) for name in packed) == (of == "live")
     packages = ("derive/general.py", "templates/numpy/chain.py.jinja", "native/steps.c")
-    assert {f"rodgen/{name}" for name in packages} <= packed
+    assert of == "live" or {f"rodgen/{name}" for name in packages} <= packed
 
 
 @pytest.mark.nightly
@@ -131,6 +147,41 @@ def test_editable_install_derives_and_emits(tree: Path, tmp_path: Path) -> None:
     options = ("--no-deps", "--no-build-isolation", "--editable", ".")
     _pip("--python", str(python), "install", *options, cwd=tree)
     _works(python, tree, tmp_path)
+
+
+# What each extra is for, in an environment that has nothing else.
+SCENE = "rodgen.Scene.example('becks_column').with_integrate(span=[0.0, 0.01])"
+RUN = f"rodgen.simulate({SCENE}, progress=False, "
+EXTRAS = {
+    "c": f"{RUN} target='c')",
+    "cvode": f"{RUN} method='cvode', target='numpy')",
+    "film": "from rodgen.show.animation.film_files import find_ffmpeg as found; assert found()",
+    "jax": "import rodgen.jax as r; r.rhs(rodgen.build(rodgen.Structure(2), 'c'))",
+    "study": f"rodgen.study({SCENE}, {{'rod.mass': [1.0, 2.0]}}, analysis='modes', workers=2)",
+    "view": "from rodgen_live.run.sweep_computation import sweep;"
+    f"rows = [*sweep({SCENE}, 'loads.follower.force', 1.0, 2.0, 0.0)];"
+    "import pathlib; from rodgen_live.page.export import export;"
+    f"export({RUN[:-2]}), pathlib.Path('replay'))",
+}
+
+
+@pytest.mark.nightly
+@pytest.mark.parametrize("extra", EXTRAS)
+def test_an_extra_alone_is_enough(wheels: dict[str, Path], tmp_path: Path, extra: str) -> None:
+    """Of the two wheels, and what they need."""
+    home = tmp_path / "venv"
+    subprocess.run([sys.executable, "-m", "venv", "--without-pip", str(home)], check=True)
+    python = home / "bin" / "python"
+    links = [f"--find-links={path.parent}" for path in wheels.values()]
+    _pip("--python", str(python), "install", *links, f"rodgen[{extra}]", cwd=tmp_path)
+    env = {"RODGEN_CACHE": str(tmp_path / "cache"), "PATH": "/usr/bin:/bin", "HOME": str(tmp_path)}
+    command = [
+        python,
+        "-c",
+        f"if True:\n import rodgen\n if __name__ == '__main__':\n  {EXTRAS[extra]}",
+    ]
+    done = subprocess.run(command, capture_output=True, text=True, env=env, cwd=tmp_path)
+    assert done.returncode == 0, done.stderr
 
 
 LIGHT = """

@@ -14,7 +14,7 @@ import rodgen
 from rodgen.errors import DoubtWarning
 from rodgen.scene import Scene
 from tests.palette import cases
-from tests.physics.live_runs import PULSE, bar
+from tests.physics.bars import PULSE, bar
 from tests.sets import sets
 from tests.told import numbers
 

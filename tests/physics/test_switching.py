@@ -18,7 +18,7 @@ from rodgen.integrate.stepper import ChatterError
 from rodgen.scene import Scene
 from rodgen.scene import time_laws as course_of
 from tests.palette import cases
-from tests.physics.live_runs import bar
+from tests.physics.bars import bar
 from tests.sets import sets
 from tests.told import numbers
 

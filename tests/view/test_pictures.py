@@ -23,7 +23,7 @@ from rodgen.show.time_pictures import (
     tail_deflection,
     tail_history,
 )
-from tests.live.conftest import ROD
+from tests.palette import ROD
 from tests.told import numbers
 
 

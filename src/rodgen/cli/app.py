@@ -20,14 +20,20 @@ from rodgen.cli.exits import BAD_INPUT, fail
 from rodgen.cli.options import add_common_options
 
 GROUP = "rodgen.commands"
-EVIDENCE = ("report", "thesis", "audit")  # what evidence/ adds, where it is installed
+IN_CLONE = "`{}` in a clone of rodgen installs and runs it"
+# Commands of packages that need not be installed, and how to get them.
+ELSEWHERE = {
+    "view": IN_CLONE.format("make view"),
+    "report": IN_CLONE.format("make report"),
+    "thesis": IN_CLONE.format("make report NAME=thesis"),
+    "audit": IN_CLONE.format("make report NAME=audit"),
+}
 # The order of commands in the list; others follow by name.
 ORDER = (
     *("scenes", "new", "derive", "run", "view", "animate", "check", "show", "modes", "static"),
     *("critical", "branch", "boundary", "exponents", "cycle", "cycle-branch", "nonlinear-mode"),
     *("precision", "study"),
 )
-HOW = "`make report [NAME=thesis|audit]` in a clone of rodgen installs and runs them"
 
 
 def own_commands() -> dict[str, Callable[..., object]]:
@@ -43,15 +49,16 @@ def own_commands() -> dict[str, Callable[..., object]]:
 
 
 def make_app() -> typer.Typer:
-    """Make the application: rodgen's commands, those of installed packages, and for those of
-    evidence/ that are not installed how to get them."""
-    entries = sorted(entry_points(group=GROUP), key=_is_own)  # another cannot take its place
-    added = {entry.name: entry for entry in entries}
-    missing = [name for name in EVIDENCE if name not in added]
+    """Make the application: rodgen's commands, those of installed packages, and for known ones that
+    are not installed how to get them."""
+    added = {entry.name: entry for entry in entry_points(group=GROUP)}
+    missing = [name for name in ELSEWHERE if name not in added]
     app = typer.Typer(
         help="Derive, prove, generate and integrate the equations of motion of planar flexible "
         "rods.",
-        epilog=f"Not installed: {', '.join(missing)} ({HOW})." if missing else None,
+        epilog=f"Not installed: {', '.join(missing)}. Each says how to get it."
+        if missing
+        else None,
         rich_markup_mode=None,
         pretty_exceptions_enable=False,
     )
@@ -64,13 +71,10 @@ def make_app() -> typer.Typer:
         else:
             _add_from_package(app, added[name])
     for name in missing:
-        _add_unavailable(app, name, f"{name} is not installed: {HOW}", hidden=True)
+        why = f"{name} is not installed: {ELSEWHERE[name]}"
+        _add_unavailable(app, name, why, hidden=True)
     app.callback(invoke_without_command=True)(_run_without_command)
     return app
-
-
-def _is_own(entry: EntryPoint) -> bool:
-    return entry.dist is not None and entry.dist.name == "rodgen"
 
 
 def _add_from_package(app: typer.Typer, entry: EntryPoint) -> None:

@@ -41,7 +41,7 @@ def check_file(path: Path, settings: FilmSettings) -> None:
     if ending == ".gif" and settings.fps > FASTEST:
         raise InputError("fps", settings.fps, f"at most {FASTEST:g} in a GIF")
     if ending == ".mp4" and find_ffmpeg() is None:
-        allowed = f"a .gif, or ffmpeg installed ({install_command('view')} brings it)"
+        allowed = f"a .gif, or ffmpeg installed ({install_command('film')} brings it)"
         raise InputError("--out", str(path), allowed)
 
 

@@ -1,0 +1,264 @@
+"""Steps and samples of an open-ended run, from one change to the next."""
+
+from __future__ import annotations
+
+import contextlib
+import time
+from collections.abc import Callable
+from types import ModuleType
+from typing import Any
+
+import numpy as np
+
+from rodgen.arrays import Array
+from rodgen.integrate.diagnosis import failure_message
+from rodgen.integrate.events import EventDetector
+from rodgen.integrate.methods.compiled_integrator import CompiledIntegrator
+from rodgen.integrate.methods.method_choice import make_integrator
+from rodgen.integrate.stepper import Counts, StepError
+from rodgen.integrate.stretches import CREEP, STRIDE, evaluation_bounds, with_span
+from rodgen.model.terms import PULL
+from rodgen.scene.integration import IntegrationTable
+from rodgen.system import System
+from rodgen_live.grid_recorder import GridRecorder, Samples
+from rodgen_live.windows import Windows
+
+STOPS = (StepError, OverflowError)  # what a method ends with that cannot go on
+
+
+class SystemSteps:
+    """Steps of an open-ended run from (t, y) with one system, whose method is chosen.
+
+    origin: start of the run [s]. Raises InputError for a method that cannot be had; what stops the
+    first step is raised with that step.
+    """
+
+    def __init__(self, system: System, model: ModuleType, t: float, y: Array, origin: float):
+        self.system, settings = system, system.settings
+        self.machine = make_integrator(model, system.p, settings, t, y.copy())
+        self.compiled = isinstance(self.machine, CompiledIntegrator)
+        switches = () if settings.has_fixed_step else system.time_laws.switches()
+        self._watch = EventDetector([], model, system.p, switches)
+        self._windows = Windows(system, origin)
+        self._ended, self._pace = True, 0.0
+        self._seen, self._look = t, STRIDE
+        with contextlib.suppress(*STOPS):
+            self._begin()
+
+    def _begin(self) -> None:
+        """Begin the next stretch. Raises StepError."""
+        end = self._windows.next_end(self.machine.t)
+        self.machine.begin(
+            end, *evaluation_bounds(self.machine.t, end), self._windows.stretches.half_period
+        )
+        self._ended = False
+
+    def step_until(self, tape: GridRecorder, goal: int, until: float) -> None:
+        """Take steps until the samples before number ``goal`` are there, or the clock
+        (time.perf_counter) is at ``until``. Raises StepError."""
+        # Compiled steps end with the last sample that is asked for, and can give more of the last
+        # step later; those in Python give all samples of a step at once, or never.
+        tape.until = goal if self.compiled else None
+        while tape.count < goal:
+            left = until - time.perf_counter()
+            self._take_steps(tape, self._steps_that_fit(left))
+            if time.perf_counter() >= until:
+                return
+
+    def one_step(self, tape: GridRecorder) -> None:
+        """Take exactly one step, without samples. Raises StepError."""
+        tape.until = tape.count
+        before = self.machine.counts.nsteps
+        while self.machine.counts.nsteps == before:
+            self._take_steps(tape, 1)
+
+    def _steps_that_fit(self, left: float) -> int:
+        """Number of steps that fit into the seconds left, by the time that the last ones took."""
+        if not self.compiled or not self._pace:
+            return 1
+        return max(1, int(min(STRIDE, left / self._pace)))
+
+    def _take_steps(self, tape: GridRecorder, most: int) -> None:
+        """Take at most so many steps. Raises StepError."""
+        if self._ended:
+            self._begin()
+        before, start = self.machine.counts.nsteps, time.perf_counter()
+        self._ended = self.machine.advance(tape, self._watch, most)
+        steps = self.machine.counts.nsteps
+        if steps > before:
+            self._pace = (time.perf_counter() - start) / (steps - before)
+        if steps >= self._look:
+            self._check_progress(steps)
+
+    def _check_progress(self, steps: int) -> None:
+        """Raise StepError where thousands of steps lead nowhere."""
+        if not self._ended and self.machine.t - self._seen < CREEP * self._windows.length:
+            raise StepError(f"{STRIDE} steps brought it no further than from {self._seen!r} s")
+        self._seen, self._look = self.machine.t, steps + STRIDE
+
+    def failure_message(self, error: ArithmeticError) -> str:
+        """Message of what stopped it, why, and what to try, as of a run with an end."""
+        scene = with_span(self.system.scene, *self._windows.span)
+        return failure_message(error, scene, self.machine, self._windows.stretches.pole)
+
+
+class LiveError(ArithmeticError):
+    """A live run stands still until it is changed or restarted; t: where [s]; samples: those that
+    became known before."""
+
+    def __init__(self, message: str, t: float, samples: Samples):
+        super().__init__(message)
+        self.t, self.samples = t, samples
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return type(self), (str(self), self.t, self.samples)
+
+
+class LiveSteps:
+    """An open-ended run with one system after the other: its samples, works and costs.
+
+    works: names of the loads without potential, and PULL where the rod can be pulled; seconds:
+    computing time since the start.
+    """
+
+    works: tuple[str, ...]
+    seconds: float
+    _course: SystemSteps
+    _tape: GridRecorder
+    _spent: Counts  # of the courses before
+    _base: Array  # works before the course [J]
+    _known: tuple[float, Array, Array]  # the last sample given out, or the last change if later
+    _failed: str
+
+    def _start(self, course: SystemSteps, every: float, works: tuple[str, ...]) -> None:
+        """Begin a course with all counts at zero."""
+        self._course, self._failed, self.works = course, "", works
+        self._spent, self.seconds = Counts(), 0.0
+        self._base = np.zeros(len(works))
+        self._known = self.t, self.y, self._base
+        self._tape = GridRecorder(self.t, every, len(self.y), self._loads)
+
+    def _take_up(self, course: SystemSteps, work: Array, every: float | None = None) -> None:
+        """Go on by another course, with the works up to here; every: other seconds between two
+        samples."""
+        self._spent += self._course.machine.counts
+        self._course, self._base, self._failed = course, work, ""
+        self._known = self.t, self.y, work
+        taken = self._tape.next_index
+        if every is not None:
+            self._tape = GridRecorder(self.t, every, len(self.y), self._loads)
+        if taken:  # else the sample at the start is still to come
+            self._tape.skip(self.t)
+
+    @property
+    def p(self) -> Array:
+        """Parameters of the module."""
+        return self._course.system.p
+
+    @property
+    def t(self) -> float:
+        """Time that the method has reached [s]; the samples given out may end before."""
+        return self._course.machine.t
+
+    @property
+    def y(self) -> Array:
+        """State at t."""
+        return self._course.machine.y.copy()
+
+    @property
+    def settings(self) -> IntegrationTable:
+        """Method, step and tolerances in use."""
+        return self._course.system.settings
+
+    @property
+    def every(self) -> float:
+        """Seconds between two samples."""
+        return self._tape.every
+
+    @property
+    def states(self) -> int:
+        """Length of a state."""
+        return self._tape.states
+
+    @property
+    def counts(self) -> Counts:
+        """Steps and evaluations since the start."""
+        total = Counts()
+        total += self._spent
+        total += self._course.machine.counts
+        return total
+
+    def here(self) -> Samples:
+        """Sample at which a change or a kick would act now; after one, its result."""
+        return _single_sample(*self._point_of_change())
+
+    def advance(self, to: float, wall: float) -> Samples:
+        """Go on to a time [s] for so many seconds at most, or one step, and return the new samples
+        up to that time. Raises LiveError, again and again until something is changed."""
+        start, goal = time.perf_counter(), self._tape.count_until(to)
+
+        def take_steps() -> None:
+            if self._tape.count == 0 < goal:
+                self._tape.begin(self._course.machine.y)
+            self._course.step_until(self._tape, goal, start + wall)
+
+        return self._run_steps(take_steps, goal, start)
+
+    def one_step(self) -> Samples:
+        """Take one step of the method, and return a sample at its end; those before it that were
+        not given out are left out. Raises LiveError."""
+        self._run_steps(lambda: self._course.one_step(self._tape), 0, time.perf_counter())
+        self._known = self._at_end()
+        self._tape.skip(self.t)
+        return _single_sample(*self._known)
+
+    def _run_steps(self, on: Callable[[], None], goal: int, start: float) -> Samples:
+        """Take steps by calling `on`, and return the new samples before number ``goal``."""
+        if self._failed:
+            raise LiveError(self._failed, self.t, self._take_samples(0))
+        try:
+            with np.errstate(all="ignore"):
+                on()
+        except STOPS as error:
+            with np.errstate(all="ignore"):
+                self._failed = self._course.failure_message(error)
+            raise LiveError(self._failed, self.t, self._take_samples(goal)) from None
+        finally:
+            self.seconds += time.perf_counter() - start
+        return self._take_samples(goal)
+
+    def _take_samples(self, goal: int) -> Samples:
+        """Take the samples before number ``goal`` that were not given out yet."""
+        with np.errstate(all="ignore"):
+            self._course.machine.works(self._tape)  # as far as they were put off
+            t, y, work = self._tape.take(goal)
+            work = self._since_start(work)
+        if len(t):
+            self._known = float(t[-1]), y[-1].copy(), work[-1].copy()
+        return Samples(t, y, work)
+
+    def _point_of_change(self) -> tuple[float, Array, Array]:
+        """Time [s], state and works [J] at which a change acts."""
+        ahead = self._tape.time(self._tape.next_index) <= self.t
+        return self._known if ahead else self._at_end()
+
+    def _at_end(self) -> tuple[float, Array, Array]:
+        """Time [s], state and works [J] at the end of the last step."""
+        with np.errstate(all="ignore"):
+            return self.t, self.y, self._since_start(self._course.machine.works(self._tape))
+
+    @property
+    def _loads(self) -> tuple[str, ...]:
+        """Names of the works that steps add to."""
+        return tuple(name for name in self.works if name != PULL)
+
+    def _since_start(self, work: Array) -> Array:
+        """Works of all kinds since the start, from those of the course, (..., loads)."""
+        total: Array = np.broadcast_to(self._base, (*work.shape[:-1], len(self._base))).copy()
+        total[..., : work.shape[-1]] += work
+        return total
+
+
+def _single_sample(t: float, y: Array, work: Array) -> Samples:
+    """Samples that hold a single one."""
+    return Samples(np.array([t]), y[None].copy(), work[None].copy())

@@ -1,0 +1,288 @@
+"""The runs of a server, one for every page, and a run as the panels of its page use it."""
+
+from __future__ import annotations
+
+import asyncio
+import secrets
+import time
+from collections.abc import (
+    Awaitable,
+    Callable,
+    Coroutine,
+    Iterator,
+    Mapping,
+    MutableMapping,
+)
+from contextlib import contextmanager
+from dataclasses import dataclass
+from functools import partial
+from typing import Any, Protocol, TypeVar
+
+from nicegui import Client, app, background_tasks, ui
+from nicegui.element import Element
+
+from rodgen.errors import InputError
+from rodgen.scene import Scene, Structure
+from rodgen.system import System
+from rodgen_live.run.live_run import LiveRun
+
+GRACE = 7.0  # seconds that a page may take to come back, as it does on a reload
+FIRST = 30.0  # seconds that it may take to come at first
+MOST = 16  # runs at a time
+VIEW = "view"  # chosen by the tab of a browser, which keeps it over a reload
+
+T = TypeVar("T")
+Edit = Callable[[System], System]
+Make = Callable[[Scene], Awaitable[None]]
+
+
+@dataclass
+class Session:
+    """A run, until when [s] it is kept without a page, and how many pages had come by then."""
+
+    run: LiveRun
+    until: float
+    came: int = 0
+
+
+class Sessions:
+    """Runs of a server by their names, which cannot be guessed."""
+
+    def __init__(self, clock: Callable[[], float] = time.monotonic):
+        self._clock = clock
+        self._sessions: dict[str, Session] = {}
+        self._coming = 0
+        self._arrivals: dict[object, float] = {}  # since when pages are on their way
+
+    def __len__(self) -> int:
+        return len(self._sessions)
+
+    @contextmanager
+    def reserve(self) -> Iterator[None]:
+        """Reserve a place for a run whose module is being made. Raises InputError where there is
+        none."""
+        if len(self) + self._coming >= MOST:
+            raise InputError(
+                "runs", len(self) + self._coming + 1, f"at most {MOST} on one server; close a tab"
+            )
+        self._coming += 1
+        try:
+            yield
+        finally:
+            self._coming -= 1
+
+    def open(self, scene: Scene) -> str:
+        """Begin a run, within `reserve`; returns its name. Raises InputError."""
+        name = secrets.token_urlsafe(16)
+        self._sessions[name] = Session(LiveRun(scene), self._clock() + FIRST)
+        return name
+
+    def get(self, name: object) -> LiveRun | None:
+        """Run of that name, if it is still there."""
+        session = self._sessions.get(name) if isinstance(name, str) else None
+        return session.run if session else None
+
+    @contextmanager
+    def arrival(self) -> Iterator[None]:
+        """Keep all runs while a page is on its way, which tells last whose it is: on a busy machine
+        a reload takes its time. A page that does not come counts for half a minute."""
+        page = object()
+        self._arrivals[page] = self._clock()
+        try:
+            yield
+        finally:
+            del self._arrivals[page]
+
+    def claim(self, name: object) -> LiveRun | None:
+        """Run of that name, if it is still there, kept for a page that is being built."""
+        run = self.get(name)
+        if run is not None:
+            session = self._sessions[str(name)]
+            session.until, session.came = self._clock() + FIRST, run.page.came
+        return run
+
+    def close_idle(self) -> None:
+        """End the runs without a page; to be called about once a second."""
+        now = self._clock()
+        arriving = any(now - since < FIRST for since in self._arrivals.values())
+        for name, session in list(self._sessions.items()):
+            page = session.run.page
+            if page.came > session.came:  # and may have gone since the last look
+                session.until, session.came = now + GRACE, page.came
+            elif page.has_page:
+                session.until = max(session.until, now + GRACE)
+            elif now > session.until and not arriving:
+                self.close(name)
+
+    def close(self, name: str) -> None:
+        """End a run."""
+        session = self._sessions.pop(name, None)
+        if session:
+            session.run.close()
+
+    def close_all(self) -> None:
+        """End all runs."""
+        for name in list(self._sessions):
+            self.close(name)
+
+
+class Panel(Protocol):
+    """Interface of a part of the page."""
+
+    def refresh(self) -> None:
+        """Show the run as it is now."""
+
+
+def notify(client: Client, text: str) -> None:
+    """Show a passing message on a page."""
+    if client.is_deleted:
+        return
+    with client:
+        ui.notify(text, type="warning", multi_line=True, close_button="Close", timeout=8000)
+
+
+class PageRun:
+    """A run and the page that shows it; when something has changed, all panels are refreshed.
+
+    make: makes the module of a scene; root: the element that dialogs are built in; tab: what the
+    tab of the browser remembers over a reload.
+
+    A system is changed in the run's own thread, by a function from the system that is there: what
+    comes between, from elsewhere on the page, is not lost.
+    """
+
+    def __init__(
+        self,
+        run: LiveRun,
+        make: Make,
+        client: Client,
+        root: Element,
+        tab: MutableMapping[str, Any],
+    ):
+        self.run, self.client, self.root, self.tab = run, client, root, tab
+        self.panels: tuple[Panel, ...] = ()
+        self._make, self._making = make, asyncio.Lock()
+
+    @property
+    def scene(self) -> Scene:
+        """The scene as it is now."""
+        return self.run.live.scene
+
+    def refresh(self) -> None:
+        """Refresh all panels."""
+        if self.client.is_deleted:
+            return
+        with self.client:
+            try:
+                for panel in self.panels:
+                    panel.refresh()
+            except Exception as error:  # a defect: the page says so, and stays
+                app.handle_exception(error)
+
+    def notify(self, text: str) -> None:
+        """Show a passing message."""
+        notify(self.client, text)
+
+    async def call(self, work: Callable[[], T]) -> T:
+        """Run work in the run's thread, and wait for its result."""
+        return await asyncio.wrap_future(self.run.submit(work))
+
+    def submit(self, work: Callable[[], Any]) -> None:
+        """Run work in the run's thread without waiting for it; a refusal is shown."""
+        self.start_task(self.call(work))
+
+    def start_task(self, doing: Coroutine[Any, Any, object]) -> None:
+        """Start a coroutine without waiting for it; a refusal is shown."""
+
+        async def report_refusal() -> None:
+            try:
+                await doing
+            except InputError as error:
+                self.notify(str(error))
+
+        background_tasks.create(report_refusal(), context=self.client)
+
+    async def change(self, changes: Mapping[str, Any], what: str) -> None:
+        """Change values of keys of the scene; what: in words, for the record. Raises InputError."""
+        await self.change_system(
+            lambda system: system.at(changes),
+            lambda system: self.run.change(system, what),
+            lambda before: self.run.undo.note(before, what),
+        )
+
+    async def run_scene(self, scene: Scene) -> None:
+        """Run another scene, from its start. Raises InputError."""
+        await self.change_system(
+            lambda _: System(scene),
+            self.run.switch_to,
+            lambda before: self.run.undo.note_scene(before, scene),
+        )
+
+    async def undo(self, forth: bool = False) -> None:
+        """Go back to the system before the last change, or before the last kick or pull; or forth
+        again. Raises InputError."""
+        run, undo = self.run, self.run.undo
+        if (kept := undo.next_state(forth)) is None:
+            return
+        said = "redo" if forth else "undo"
+
+        def act(system: System) -> None:
+            if kept.mark is not None:
+                run.go_back_to(kept.mark)
+            elif kept.anew:
+                run.switch_to(system)
+            else:
+                run.change(system, said)
+
+        await self.change_system(
+            lambda _: kept.system, act, lambda before: undo.note_move(before, forth)
+        )
+
+    async def change_system(
+        self, edit: Edit, act: Callable[[System], object], note: Callable[[System], object]
+    ) -> None:
+        """Change to the system that `edit` makes of the present one: `act` is given it in the run's
+        thread if its module is that of the run; else that is made first, and the system begins from
+        its start. `note` is given the system before, after success. Raises InputError."""
+        if await self._try_change(edit, act, note) is None:
+            return
+        async with self._making:
+            made = None
+            while (
+                wanted := await self._try_change(edit, self.run.switch_to, note, made)
+            ) is not None:
+                await self._make(wanted.scene)
+                made = wanted.structure
+
+    async def allow_pulls(self) -> None:
+        """Make the module by which the rod can be pulled, and let the run go on by it. Raises
+        InputError."""
+        if await self.call(self.run.allow_pulls) is None:
+            return
+        async with self._making:
+            made = None
+            while (wanted := await self.call(partial(self.run.allow_pulls, made))) is not None:
+                await self._make(wanted.scene)
+                made = wanted.structure
+
+    async def _try_change(
+        self,
+        edit: Edit,
+        act: Callable[[System], object],
+        note: Callable[[System], object],
+        made: Structure | None = None,
+    ) -> System | None:
+        """Change the system, and return None; or return the system whose module is to be made
+        first. made: the structure of a module that is there, beside that of the run."""
+
+        def work() -> System | None:
+            before = self.run.live.system
+            system = edit(before)
+            if system.structure not in (made, before.structure):
+                return system
+            act(system)
+            note(before)
+            self.run.told()
+            return None
+
+        return await self.call(work)

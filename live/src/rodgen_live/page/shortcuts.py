@@ -1,0 +1,48 @@
+"""Dialog that lists the keys."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+from nicegui import ui
+
+from rodgen_live.page.fields import dialog
+
+SPACE = "space"
+# What takes keys while it has the focus: static/rod.js, static/timeline.js,
+# static/chart_pointer.js.
+IN_FOCUS = {
+    "The rod, in focus": {
+        "← → ↑ ↓": "Move the picture",
+        "+ −": "Zoom, as the wheel does",
+        "0": "Fit the rod, as a double click does",
+        "p": "Pull by dragging, or no longer",
+        "Esc": "Let go of a kick or a pull",
+    },
+    "The time line, in focus": {
+        "← →": "A sample back or on",
+        "page up, page down": "A tenth of the line",
+        "Home, End": "The first sample, the present",
+        "a, b": "Ends of the loop",
+    },
+    "A plot, in focus": {
+        "+ −": "Zoom, as the wheel does",
+        "← →": "Move along it",
+        "0": "All of it, as a double click does",
+    },
+}
+
+
+def show_shortcuts(everywhere: Mapping[str, str]) -> None:
+    """Open a dialog of keys; everywhere: what keys do that the whole page takes, by their names."""
+    with dialog("Keys"):
+        for title, keys in {"The page": everywhere, **IN_FOCUS}.items():
+            with ui.element("table").classes("rg-keys"):
+                with ui.element("caption"):
+                    ui.label(title)
+                for key, does in keys.items():
+                    with ui.element("tr"):
+                        with ui.element("th").props("scope=row"), ui.element("kbd"):
+                            ui.label(key)
+                        with ui.element("td"):
+                            ui.label(does)

@@ -1,0 +1,282 @@
+"""Numbers of the run on the page: a panel that shows them, sliders and fields that change them."""
+
+from __future__ import annotations
+
+import math
+
+from nicegui import ui
+from nicegui.events import GenericEventArguments
+
+from rodgen.errors import InputError
+from rodgen.model.methods import FIXED_STEP, METHODS
+from rodgen.scene.integration import AUTO
+from rodgen.system import System
+from rodgen_live.page.fields import Entry, IconButton, format_number, heading, parse_number
+from rodgen_live.page.page_run import PageRun
+from rodgen_live.page.sweep_panel import SweepPanel
+from rodgen_live.panel_rows import TextRow, row_groups
+from rodgen_live.run.scene_edits import SceneField, fields_of, slider_scale
+
+THROTTLE = 0.04  # seconds between two values of a slider that is dragged
+STEPS = 1000  # of a slider
+MARKS = "marker-labels"  # prop of it
+SETTINGS = {"step": "s", "rtol": "", "atol": "", "output_every": "s"}
+
+
+class ValuesPanel:
+    """Panel of values: a table for each group of rows, built anew for a scene with other rows."""
+
+    def __init__(self, page: PageRun):
+        self.page = page
+        self._rows: object = None
+        self._box = ui.element("div").classes("rg-values")
+
+    def refresh(self) -> None:
+        """Show the rows that the scene has now."""
+        rows = row_groups(self.page.run.live.system_with_support.scene)
+        if rows == self._rows:
+            return
+        self._rows = rows
+        self._box.clear()
+        with self._box:
+            for title, group in rows.items():
+                with ui.element("table"):
+                    with ui.element("caption"):
+                        ui.label(title)
+                    for row in group:
+                        with ui.element("tr"):
+                            _build_row(row)
+        self.page.submit(self.page.run.page.reset_texts)
+        self.page.submit(self.page.run.page.invalidate)
+
+
+def _build_row(row: TextRow) -> None:
+    """Build a row: label, value and unit, or a text over all of their columns."""
+    if not row.label:
+        ui.element("td").props(f"data-text={row.key} colspan=3").classes("rg-words")
+        return
+    with ui.element("th").props("scope=row"):
+        ui.label(row.label)
+    ui.element("td").props(f"data-text={row.key}")
+    with ui.element("td").classes("rg-unit"):
+        ui.label(row.unit)
+
+
+def field_text(field: SceneField) -> str:
+    """Format a value as its field shows it."""
+    return field.text if field.value is None else format_number(field.value)
+
+
+class Knob:
+    """Slider and field of a number of the scene."""
+
+    def __init__(self, page: PageRun, field: SceneField):
+        self.page, self.field, self._scale = page, field, slider_scale(field)
+        self._waiting: float | None = None  # where the slider is by now
+        self._critical: float | None = None  # that a sweep has found
+        self.sweep: SweepPanel | None = None
+        text = field_text(field)
+        with ui.element("div").classes("rg-knob") as self._box:
+            long, slides = field.value is None, field.value is not None and not field.of.fixed
+            with ui.element("div").classes("rg-head"):
+                self.entry = Entry(field.label, text, self._put_text, unit=field.unit, long=long)
+                if slides and not field.whole:
+                    IconButton("show_chart", f"Sweep of {field.label}", self._toggle_sweep)
+            self.slider: ui.slider | None = None
+            if field.value is not None and slides:
+                self.slider = ui.slider(min=0, max=STEPS, step=1, value=self._position(field.value))
+                self.slider.props(f'dense aria-label="{field.label}"')
+                self._set_aria_value(field.value)
+                self.slider.on("update:model-value", self._on_slide, throttle=THROTTLE)
+                self.slider.on("change", self._on_release)
+
+    def _toggle_sweep(self) -> None:
+        """Add the sweep of a range below the slider, or remove it."""
+        if self.sweep is not None:
+            self.sweep.close()
+            self.sweep = None
+            return
+        with self._box:
+            low, high = self.field.slider_range(self._scale)
+            self.sweep = SweepPanel(self.page, self.field, (low, high), self._mark)
+
+    def _mark(self, critical: float | None) -> None:
+        """Mark the value on the slider at which stability changes, if it is in its range."""
+        self._critical = critical
+        low, high = self.field.slider_range(self._scale)
+        marks = []
+        if critical is not None and low <= critical <= high:
+            marks = [{"value": self._position(critical), "label": f"critical {critical:.4g}"}]
+        if self.slider is not None and self.slider.props.get(MARKS, []) != marks:
+            self.slider.props[MARKS] = marks
+            self.slider.update()
+
+    def _position(self, value: float) -> float:
+        """Position of a value on the slider."""
+        low, high = self.field.slider_range(self._scale)
+        if self.field.is_logarithmic:
+            share = math.log(max(value, low) / low) / math.log(high / low)
+        else:
+            share = (value - low) / (high - low)
+        return round(STEPS * min(1.0, max(0.0, share)))
+
+    def _value_at(self, place: float) -> float:
+        """Value at a position of the slider, rounded to what a step of it resolves."""
+        low, high = self.field.slider_range(self._scale)
+        share = place / STEPS
+        if self.field.is_logarithmic:
+            return min(high, max(low, float(f"{low * (high / low) ** share:.4g}")))
+        value = float(f"{low + share * (high - low):.4g}")
+        return min(high, max(low, value)) if abs(value) > 1e-9 * self._scale else 0.0
+
+    async def _on_slide(self, event: GenericEventArguments) -> None:
+        """Apply the value at a position; of those that come meanwhile, the last counts."""
+        busy, self._waiting = self._waiting is not None, float(event.args)
+        if busy:
+            return
+        try:
+            while self._waiting is not None:
+                place = self._waiting
+                value = self._value_at(place)
+                self.entry.show(format_number(value))
+                await self._set(value)
+                if self._waiting == place:
+                    self._waiting = None
+        except InputError as error:
+            self.entry.show_refusal(f"must be {error.allowed}")
+        finally:
+            self._waiting = None
+
+    def _on_release(self, event: GenericEventArguments) -> None:
+        """Extend the range of a slider that was pushed to its end."""
+        value = self._value_at(float(event.args))
+        if (
+            float(event.args) in (0, STEPS)
+            and value
+            and not self.field.of.is_angle
+            and self.slider is not None
+        ):
+            self._scale = abs(value)
+            self.slider.set_value(self._position(value))
+            self._mark(self._critical)
+
+    async def _put_text(self, text: str) -> None:
+        try:
+            value: float | str = parse_number(text, self.field.key)
+        except InputError:
+            value = text  # an expression, where the scene may have one there
+        await self._set(value)
+
+    async def _set(self, value: float | str) -> None:
+        shown = format_number(value) if isinstance(value, float) else value
+        await self.page.change(self.field.changes(value), f"{self.field.key} = {shown}")
+
+    def _set_aria_value(self, value: float) -> None:
+        """Tell screen readers the value of the slider, not its position."""
+        if self.slider is not None:
+            self.slider.props(f'aria-valuetext="{format_number(value)} {self.field.unit}"')
+
+    def refresh(self, field: SceneField, filed: SceneField | None) -> None:
+        """Show the value that the scene has now; filed: that of its file, which may have none."""
+        before, self.field = self.field, field
+        if self.sweep is not None:
+            self.sweep.refresh(field)
+        self.entry.show_file_value(field_text(field), field_text(filed) if filed else None)
+        if field.value is None:
+            self.entry.show(field.text)
+            return
+        text = format_number(field.value)
+        if text == format_number(before.value) and self.entry.is_current(text):
+            return
+        self.entry.show(text)
+        if self.slider is None or (self.field.is_logarithmic and field.value <= 0):
+            return
+        low, high = field.slider_range(self._scale)
+        if not low <= field.value <= high:
+            self._scale = slider_scale(field)
+            self._mark(self._critical)
+        self._set_aria_value(field.value)
+        place = self._position(field.value)
+        if self._waiting is None and self.slider.value != place:
+            self.slider.set_value(place)
+
+
+class ParametersPanel:
+    """Panel of all knobs and the settings of the integration; built anew for another structure."""
+
+    def __init__(self, page: PageRun):
+        self.page = page
+        self._kinds: object = None
+        self._knobs: dict[str, Knob] = {}
+        self._settings: dict[str, Entry] = {}
+        heading("Parameters")
+        self._box = ui.element("div").classes("rg-knobs")
+        heading("Integration")
+        with ui.element("div").classes("rg-knobs"):
+            self.method = ui.select([AUTO, *METHODS], label="method", on_change=self._set_method)
+            self.method.props("dense outlined options-dense")
+            for name, unit in SETTINGS.items():
+                self._add_setting(name, unit)
+        self.looking = ui.switch("method and tolerance for looking", on_change=self._switch_looking)
+        self.warned = ui.label().classes("rg-warned")
+
+    def _add_setting(self, name: str, unit: str) -> None:
+        async def put(text: str) -> None:
+            value = parse_number(text, f"integrate.{name}")
+            await self.page.change({f"integrate.{name}": value}, f"{name} = {text}")
+
+        self._settings[name] = Entry(name.replace("_", " "), "", put, unit=unit)
+
+    async def _set_method(self) -> None:
+        scene, method = self.page.scene, self.method.value
+        if method == scene.integrate.method:
+            return
+        run = self.page.run
+
+        def with_method(system: System) -> System:
+            """Change the method; one of fixed steps gets a step that is stable here."""
+            step = run.live.step_for(method) if method in FIXED_STEP else None
+            return system.at({"integrate.method": method, "integrate.step": step})
+
+        try:
+            await self.page.change_system(
+                with_method,
+                lambda system: run.change(system, f"method {method}"),
+                lambda before: run.undo.note(before, f"method {method}"),
+            )
+        except InputError as error:
+            self.page.notify(str(error))
+            self.refresh()
+
+    def _switch_looking(self) -> None:
+        run, on = self.page.run, bool(self.looking.value)
+        if on != bool(run.live.rough):
+            self.page.submit(lambda: run.roughen(on))
+
+    def refresh(self) -> None:
+        """Show the values that the scene has now."""
+        scene = self.page.scene
+        fields = {field.key: field for field in fields_of(scene)}
+        kinds = [(key, field.value is None) for key, field in fields.items()]
+        if kinds != self._kinds:
+            self._kinds = kinds
+            self._box.clear()
+            with self._box:
+                self._knobs = {key: Knob(self.page, field) for key, field in fields.items()}
+        filed = {field.key: field for field in fields_of(self.page.run.undo.file)}
+        for key, field in fields.items():
+            self._knobs[key].refresh(field, filed.get(key))
+        settings = scene.integrate
+        if self.method.value != settings.method:
+            self.method.set_value(settings.method)
+        for name, entry in self._settings.items():
+            shown = format_number(getattr(settings, name))
+            entry.show(shown)
+            entry.show_file_value(
+                shown, format_number(getattr(self.page.run.undo.file.integrate, name))
+            )
+        self._settings["step"].field.set_visibility(settings.has_fixed_step)
+        for name in ("rtol", "atol"):
+            self._settings[name].field.set_visibility(not settings.has_fixed_step)
+        self.looking.set_value(bool(self.page.run.live.rough))
+        self.warned.set_text("; ".join(self.page.run.warnings))

@@ -1,0 +1,239 @@
+"""Catalogue of the quantities of a live run that plots can show, with their values at samples."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from difflib import get_close_matches
+from types import ModuleType
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rodgen.arrays import Array
+from rodgen.errors import InputError
+from rodgen.integrate.quantity_formulas import MotionSlice, loads_at_work
+from rodgen.loading.generated_module import call_module
+from rodgen.model.quantities import (
+    ADDED,
+    KINDS,
+    LOADS,
+    OWN,
+    PERIODS,
+    POWERS,
+    QUANTITIES,
+    TURNS,
+    WORKS,
+    numbers,
+)
+from rodgen.model.term import typeset
+from rodgen.model.terms import PARAMETERS, describe
+from rodgen.scene import Scene
+from rodgen.system import System
+from rodgen_live.sample_store import Chunk
+from rodgen_live.user_expression import UserExpression
+
+__all__ = ["KINDS", "PERIODS", "TURNS", "Catalogue", "PlotQuantity"]
+
+MOST_OWN = 100  # expressions that are known at a time
+MOST_PLANS = 256  # kept, one for every set of names that plots have asked for
+STATE = "state"  # kind of the states that a scene adds, whose units are not known
+POTENTIAL = ("spring_energy", "gravity_energy")
+
+
+class PlotQuantity(NamedTuple):
+    """A scalar that a plot can show; kind: those that it can share a plot with."""
+
+    name: str
+    label: str
+    unit: str
+    kind: str
+
+
+class _Place(NamedTuple):
+    """Place of a scalar: its column in the values of a quantity, (K, columns), and how far along
+    the rod it is, from 0 at joint 0 to 1 at the tail."""
+
+    quantity: str
+    column: int
+    along: float | None
+
+
+class _ColumnCopy(NamedTuple):
+    """Columns of a quantity, and the columns of the result that they go to."""
+
+    quantity: str
+    columns: NDArray[np.int64]
+    to: NDArray[np.int64]
+
+
+class Catalogue:
+    """Quantities of a system that can be shown.
+
+    quantities: all of them by name, in the order in which they are offered; kinds: names by kind,
+    of quantities that can share a plot; along: for kinds that go along the rod, where on it their
+    quantities are, from 0 at joint 0 to 1 at the tail; works: loads without potential, and others
+    that put in energy. An expression of quantities is one of them once it has been asked for. All
+    are fixed by the structure of the system, for which model is made: values of parameters are
+    taken from each chunk.
+    """
+
+    def __init__(self, system: System | Scene, model: ModuleType, others: tuple[str, ...] = ()):
+        system = System.of(system)
+        self.model, self._timed = model, system.time_dependent_loads
+        powers = loads_at_work(model)
+        self.works = (*powers, *others)
+        self.quantities: dict[str, PlotQuantity] = {}
+        self.kinds: dict[str, list[str]] = {}
+        self.along: dict[str, Array] = {}
+        self._places: dict[str, _Place] = {}
+        every = list(_scalars(system.scene, self.works, powers))
+        for kind in KINDS:
+            some = [(shown, place) for shown, place in every if shown.kind == kind]
+            if not some:
+                continue
+            self.kinds[kind] = [shown.name for shown, _ in some]
+            self.quantities |= {shown.name: shown for shown, _ in some}
+            self._places |= {shown.name: place for shown, place in some}
+            along = [place.along for _, place in some if place.along is not None]
+            if along:
+                self.along[kind] = np.array(along)
+        self._plans: dict[tuple[str, ...], list[_ColumnCopy]] = {}
+        self._last: tuple[Chunk, MotionSlice] | None = None
+        self._own: dict[str, UserExpression] = {}
+        self._absent: set[str] = set()
+        t, p, self._atol = system.settings.span[0], system.p, system.settings.atol
+        some = np.sin(np.arange(1.0, 1.0 + len(model.STATE)))[None, :]  # bent and moving
+        none = np.zeros((1, len(self.works)))
+        self._some = Chunk(np.array([t]), some, none, self.works, p)
+        self.update_zero_energies(t, p)
+
+    def update_zero_energies(self, t: float, p: Array) -> bool:
+        """Leave those potential energies out of their kind that are zero however the rod moves, as
+        that of the springs in a chain. Returns whether others are left out than before."""
+        with np.errstate(all="ignore"):
+            _, *values = call_module(self.model, "energy", t, self._some.y[0], p)
+        before = self._absent
+        self._absent = {name for name, value in zip(POTENTIAL, values, strict=True) if value == 0}
+        return self._absent != before
+
+    def columns(self, names: Sequence[str], chunk: Chunk) -> Array:
+        """Values of quantities at the samples of a chunk, (K, names). Raises InputError for a name
+        that is not known. What was computed is kept for the next call with the same chunk."""
+        own = {at: self._own[name] for at, name in enumerate(names) if name in self._own}
+        if own:
+            return self._columns_with_expressions(names, own, chunk)
+        if self._last is None or self._last[0] is not chunk:
+            self._last = chunk, motion_of(self.model, chunk, self._timed)
+        motion, out = self._last[1], np.empty((len(chunk), len(names)))
+        with np.errstate(all="ignore"):  # a state may have stopped being finite
+            for quantity, columns, to in self._plan(tuple(names)):
+                out[:, to] = motion.values(quantity).reshape(len(chunk), -1)[:, columns]
+        return out
+
+    def error_level(self, names: Sequence[str]) -> float:
+        """Error level of quantities: the absolute tolerance times the largest magnitude that they
+        have in a state of size one."""
+        sizes = np.abs(self.columns(names, self._some))
+        return self._atol * float(np.where(np.isfinite(sizes), sizes, 0.0).max(initial=0.0))
+
+    def _columns_with_expressions(
+        self, names: Sequence[str], own: dict[int, UserExpression], chunk: Chunk
+    ) -> Array:
+        out = np.empty((len(chunk), len(names)))
+        rest = [at for at in range(len(names)) if at not in own]
+        out[:, rest] = self.columns([names[at] for at in rest], chunk)
+        for at, quantity in own.items():
+            out[:, at] = quantity.values(self.model, self.columns, chunk)
+        return out
+
+    def _add_expression(self, name: str, field: str) -> PlotQuantity:
+        """Add an expression of quantities to the quantities. Raises InputError."""
+        if len(self._own) >= MOST_OWN:
+            raise InputError(field, name, f"one of the {MOST_OWN} expressions that are known")
+        known = self._places.keys()
+        own = self._own[name] = UserExpression.parse(name, known, field)
+        told = {one.name: one.unit for one in self.quantities.values() if one.kind != STATE}
+        found = self.quantities[name] = PlotQuantity(name, name, own.unit(told), OWN)
+        return found
+
+    def quantity(self, name: object, field: str = "quantity") -> PlotQuantity:
+        """Look up a quantity, or add an expression. Raises InputError with the known names."""
+        found = self.quantities.get(name) if isinstance(name, str) else None
+        if found is None and isinstance(name, str) and not name.isidentifier():
+            found = self._add_expression(name, field)
+        if found is None:
+            raise InputError(field, name, self._known_names(str(name), self.quantities))
+        return found
+
+    def expand(self, name: object, field: str = "quantity") -> list[str]:
+        """Names that a name or a kind stands for. Raises InputError with the known names."""
+        if isinstance(name, str) and name in self.kinds:
+            return [one for one in self.kinds[name] if one not in self._absent]
+        if isinstance(name, str) and (name in self.quantities or not name.isidentifier()):
+            return [self.quantity(name, field).name]
+        raise InputError(field, name, self._known_names(str(name), [*self.quantities, *self.kinds]))
+
+    def _known_names(self, name: str, known: Sequence[str] | dict[str, PlotQuantity]) -> str:
+        """List the known names for an error, families shortened, and the closest ones."""
+        close = get_close_matches(name[:64], known, 3)
+        shown = []
+        for names in self.kinds.values():
+            family = len(names) > 4
+            shown.append(f"{names[0]} to {names[-1]}" if family else ", ".join(names))
+        every = f"one of {', '.join(shown)}"
+        return f"{every} (closest: {', '.join(close)})" if close else every
+
+    def _plan(self, names: tuple[str, ...]) -> list[_ColumnCopy]:
+        """Find which columns of which quantities a set of names needs, once for each set."""
+        plan = self._plans.get(names)
+        if plan is None:
+            if len(self._plans) >= MOST_PLANS:
+                self._plans.clear()
+            plan = self._plans[names] = self._make_plan(names)
+        return plan
+
+    def _make_plan(self, names: tuple[str, ...]) -> list[_ColumnCopy]:
+        wanted: dict[str, list[tuple[int, int]]] = {}
+        for at, name in enumerate(names):
+            self.quantity(name)
+            place = self._places[name]
+            wanted.setdefault(place.quantity, []).append((place.column, at))
+        return [
+            _ColumnCopy(
+                quantity, *(np.array(part, dtype=np.int64) for part in zip(*pairs, strict=True))
+            )
+            for quantity, pairs in wanted.items()
+        ]
+
+
+def motion_of(model: ModuleType, chunk: Chunk, timed: Mapping[str, Any]) -> MotionSlice:
+    """Motion at the samples of a chunk; timed: loads that change with time."""
+    works = dict(zip(chunk.works, chunk.work.T, strict=True))
+    return MotionSlice(model, chunk.p, chunk.y, chunk.t, works, chunk.given, chunk.start, timed)
+
+
+def _scalars(
+    scene: Scene, works: tuple[str, ...], powers: tuple[str, ...]
+) -> Iterator[tuple[PlotQuantity, _Place]]:
+    """All scalars of a rod, in the order of the rows of the vocabulary."""
+    loads = [PARAMETERS[name] for name in scene.loads.parameters]
+    terms = {
+        WORKS: {term: describe(term) for term in works},
+        POWERS: {term: describe(term) for term in powers},
+        LOADS: {one.name: one.label for one in loads if one.timed and one.unit == "N"},
+        ADDED: {name: name for name in scene.states},
+        "": {"": ""},
+    }
+    held = sorted({tie.link for tie in scene.anchors.support_points})
+    for quantity in QUANTITIES:
+        if quantity.name == "gravity_energy" and "gravity" not in scene.loads.terms:
+            continue
+        unit = typeset(quantity.unit)
+        for term, words in terms.get(quantity.each, {}).items():
+            for name, label, kind, at, along in numbers(
+                quantity, scene.boundary_condition, scene.rod.links, held
+            ):
+                column = sum(at) if len(at) < 2 else 2 * at[0] + at[1]  # of x and y by joint
+                shown = PlotQuantity(name.format(term), label.format(words), unit, kind)
+                yield shown, _Place(quantity.name.format(term), column, along)

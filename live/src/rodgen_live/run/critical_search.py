@@ -1,0 +1,67 @@
+"""Critical force of the present system of a run, computed in the worker process."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+
+from rodgen.model.terms import TERMS
+from rodgen.system import System
+from rodgen_live.run.worker_process import ASIDE, Answer, PendingRequest
+
+MOST_LINKS = 200  # beyond, it takes seconds
+PATIENCE = 0.4  # seconds without another change, before it is computed
+COMPUTING = "computing"
+
+
+class CriticalSearch:
+    """Critical force of a run's system. value: the force [N] for the system looked at last, or in
+    words why there is none, or None where no force follows the rod. do: has work done in the thread
+    that all else is called in; done: called there when the value has come."""
+
+    def __init__(
+        self,
+        do: Callable[[Callable[[], None]], object],
+        done: Callable[[], object],
+        clock: Callable[[], float] = time.perf_counter,
+    ):
+        self._do, self._done, self._clock = do, done, clock
+        self._system: System | None = None  # whose force is to be computed, or is
+        self._errand: PendingRequest | None = None
+        self._since = 0.0
+        self.value: float | str | None = None
+
+    def restart(self, system: System) -> None:
+        """Schedule the computation for another system, if that has a critical force."""
+        self.cancel()
+        following = [TERMS[name] for name in system.load_terms if TERMS[name].follows]
+        if not any(term.has_size for term in following[:1]):
+            self.value = None
+        elif system.structure.n_links > MOST_LINKS:
+            self.value = f"not computed: more than {MOST_LINKS} links"
+        else:
+            self.value, self._system, self._since = COMPUTING, system, self._clock()
+
+    def tick(self) -> None:
+        """Request the computation once the system has stayed what it is for a while."""
+        system = self._system
+        if system is None or self._errand is not None:
+            return
+        if self._clock() - self._since >= PATIENCE:
+            self._errand = ASIDE.submit(
+                "critical",
+                system.scene,
+                lambda answer: self._do(lambda: self._receive(system, answer)),
+            )
+
+    def cancel(self) -> None:
+        """Cancel the computation, whether requested or only scheduled."""
+        self._system = None
+        if self._errand is not None:
+            self._errand.cancel()
+            self._errand = None
+
+    def _receive(self, system: System, answer: Answer) -> None:
+        if system is self._system and (answer.refused or answer.value is not None):
+            self.value = answer.refused or answer.value
+            self._done()

@@ -1,0 +1,104 @@
+"""A kept run that another one is compared with."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from rodgen.arrays import Array
+from rodgen_live.plot_quantities import Catalogue
+from rodgen_live.run.plot import Plot
+from rodgen_live.run.plot_spec import LONGEST, counterpart
+from rodgen_live.run.sample_curves import resample
+from rodgen_live.sample_store import Chunk, SampleStore
+
+LEAST = 4  # samples, of which values between them are made
+
+
+class Ghost:
+    """A kept run: its store, which is not added to any more, and its catalogue with the module. To
+    be used from one thread at a time."""
+
+    def __init__(self, store: SampleStore, catalogue: Catalogue):
+        self.store, self.catalogue = store, catalogue
+        self._columns: dict[tuple[str, ...], tuple[Array, Array]] = {}
+
+    def joints(self, t: float) -> Array:
+        """Positions of the joints at a time [m], (joints, 2), linear between two samples; none
+        outside the span of this run."""
+        first, last = self.store.span
+        if not first <= t <= last:
+            return np.zeros((0, 2))
+        near = self.store.nearest(t)
+        other = self.store.nearest(t, 1 if near.t[0] < t else -1)
+        gap = other.t[0] - near.t[0]
+        share = (t - near.t[0]) / gap if gap else 0.0
+        model = self.catalogue.model
+        here, there = (model.joints(sample.y[0], sample.p) for sample in (near, other))
+        found: Array = here + share * (there - here)
+        return found
+
+    def rows(self, plot: Plot, seen: Chunk) -> Array:
+        """Rows of a plot for this run: of a profile those at the time of the seen sample, of a
+        spectrum those of the last seconds, else all. Energies count from where the other run
+        begins. No rows where this rod lacks one of its quantities."""
+        beside = self._own_plot(plot)
+        if beside is None:
+            return np.zeros((0, plot.width))
+        if plot.spec.kind != "profile":
+            return beside.backlog(self.store.chunks(), self._reference_sample(plot.first))
+        t, (first, last) = float(seen.t[-1]), self.store.span
+        found = beside.current_rows(self.store.nearest(t)) if first <= t <= last else None
+        return np.zeros((0, plot.width)) if found is None else found
+
+    def _own_plot(self, plot: Plot) -> Plot | None:
+        """The plot as one of this run; None for a difference, or where a quantity is lacking."""
+        spec = plot.spec
+        if spec.kind == "difference":
+            return None
+        if spec.kind == "profile":
+            return Plot(spec, self.catalogue) if spec.y[0] in self.catalogue.along else None
+        names = self._own_names((*plot.names, spec.x, *filter(None, [spec.when])), plot.catalogue)
+        if names is None:
+            return None
+        y, (x, *when) = names[: len(plot.names)], names[len(plot.names) :]
+        window = spec.window if spec.kind == "spectrum" else LONGEST
+        own = replace(spec, y=y, x=x, when="".join(when), window=window)
+        return Plot(own, self.catalogue)
+
+    def _reference_sample(self, sample: Chunk | None) -> Chunk | None:
+        """A sample of the other run with the parameters of this one; None if its size differs."""
+        first = next(iter(self.store.chunks()))
+        same = sample is not None and sample.y.shape[1] == first.y.shape[1]
+        return replace(sample, p=first.p) if sample is not None and same else None
+
+    def values(self, names: tuple[str, ...], of: Catalogue, times: Array) -> Array:
+        """Interpolate quantities of a rod at other times by cubics, (N, names); not-a-number where
+        this run has none. of: the catalogue that names them."""
+        found = np.full((len(times), len(names)), np.nan)
+        if (own := self._own_names(names, of)) is None:
+            return found
+        t, columns = self._all_samples(own)
+        inside = (times >= t[0]) & (times <= t[-1]) if len(t) >= LEAST else np.zeros(0, dtype=int)
+        for k in range(len(names) if np.any(inside) else 0):
+            found[inside, k] = resample(t, columns[:, k], times[inside])
+        return found
+
+    def _own_names(self, names: tuple[str, ...], of: Catalogue) -> tuple[str, ...] | None:
+        """Names that quantities of a rod have in this one, the tail's those of its tail; None where
+        it lacks one of them."""
+        found = [counterpart(name, of, self.catalogue) for name in names]
+        own = tuple(name for name in found if name is not None)
+        return own if len(own) == len(names) else None
+
+    def _all_samples(self, names: tuple[str, ...]) -> tuple[Array, Array]:
+        """Times and values of all samples; of two at one time, the later one."""
+        if names not in self._columns:
+            pieces = list(self.store.chunks())
+            t = np.concatenate([np.zeros(0), *(piece.t for piece in pieces)])
+            columns = [self.catalogue.columns(names, piece) for piece in pieces]
+            last = np.diff(t, append=np.inf) > 0
+            values = np.concatenate([np.zeros((0, len(names))), *columns])
+            self._columns[names] = t[last], values[last]
+        return self._columns[names]

@@ -1,0 +1,122 @@
+"""Sweep of a number of a scene: stability of the straight rod, and its equilibria.
+
+Computed in the process beside the server, a part at a time; a part is a dictionary that JSON has.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Sequence
+from itertools import pairwise
+from typing import Any
+
+import numpy as np
+
+from rodgen.analyse.branches.equilibrium_branch import continue_equilibria
+from rodgen.analyse.modes import natural_modes
+from rodgen.errors import AnalysisError, InputError
+from rodgen.scene import Scene
+from rodgen.scene.literals import literals, replace_literal_by_name
+from rodgen.scene.plain_tables import get_at
+from rodgen.system import System
+
+COUNT = 41  # values
+TOGETHER = 7  # of them between two looks at what else is asked for
+ROUNDS, PARTS = 4, 6  # of the step between two values, for where it becomes unstable
+SWEPT = "swept_number"  # what a number in an expression is called while it is swept
+ROUNDING = 1e-9  # of the length, below which a deflection is none
+MODES = 16  # that are looked at for whether one grows
+MOST_LINKS = 200  # beyond, a value takes seconds
+
+Part = dict[str, Any]
+Row = list[Any]  # value, growth [1/s], frequency [Hz], whether stable; None where it failed
+
+
+def sweep(scene: Scene, key: str, low: float, high: float, t: float) -> Iterator[Part]:
+    """Sweep a number in parts: "rows" of the stability map; "critical", the value at which the
+    stability changes first, or None; "branch" and "special" of the bifurcation diagram, or "note",
+    why there is none. t: the time whose loads are taken [s]. Raises InputError."""
+    if scene.rod.links > MOST_LINKS:
+        raise InputError("rod.links", scene.rod.links, f"at most {MOST_LINKS} for a sweep")
+    start, end = scene.integrate.span
+    scene = scene.with_integrate(span=[start, max(end, t)])  # a live run may be beyond it
+    scene, key = _name_number(scene, key)
+    system = System(scene)
+    values = np.linspace(low, high, COUNT).tolist()
+    rows: list[Row] = []
+    for at in range(0, COUNT, TOGETHER):
+        found = stability_rows(system, key, values[at : at + TOGETHER], t)
+        rows += found
+        yield {"rows": found}
+    yield {"critical": _critical_value(system, key, rows, t)}
+    yield _branch(scene, key, (low, high), t)
+
+
+def stability_rows(system: System, key: str, values: Sequence[float], t: float) -> list[Row]:
+    """Rows of the stability map: the value, the largest growth rate [1/s], the frequency of that
+    mode [Hz], and whether the straight rod is stable, None where that failed."""
+    return [_stability_row(system, key, value, t) for value in values]
+
+
+def _stability_row(system: System, key: str, value: float, t: float) -> Row:
+    try:
+        found = natural_modes(system.at({key: value}), MODES, t=t)
+    except (AnalysisError, InputError):
+        return [value, None, None, None]
+    if not len(found.growth):
+        return [value, None, None, None]
+    fastest = int(np.argmax(found.growth))
+    return [value, float(found.growth[fastest]), float(found.frequencies[fastest]), found.stable]
+
+
+def _name_number(scene: Scene, key: str) -> tuple[Scene, str]:
+    """Replace a number in an expression by a named one: the scene with it, and its key. Other keys
+    stay as they are. Raises InputError."""
+    outer, _, last = key.rpartition(".")
+    text = get_at(scene, *outer.split("."))
+    if not isinstance(text, str):
+        return scene, key
+    at, name = int(last), f"parameters.{SWEPT}"
+    value = literals(text)[at].value
+    return scene.replace({outer: replace_literal_by_name(text, at, SWEPT), name: value}), name
+
+
+def _critical_value(system: System, key: str, rows: list[Row], t: float) -> float | None:
+    """First value at which the straight rod becomes unstable, or stable; None without one."""
+    known = [(value, stable) for value, _, _, stable in rows if stable is not None]
+    for (low, before), (high, after) in pairwise(known):
+        if before == after:
+            continue
+        for _ in range(ROUNDS):
+            places = np.linspace(low, high, PARTS + 1).tolist()
+            found = stability_rows(system, key, places[1:-1], t)
+            same = [stable == before for _, _, _, stable in found] + [False]
+            low, high = places[(first := same.index(False))], places[first + 1]
+        return float(f"{(low + high) / 2:.4g}")
+    return None
+
+
+def _branch(scene: Scene, key: str, ends: tuple[float, float], t: float) -> Part:
+    """Branch of equilibria on which the scene is: values, the deflection of the tip from the first
+    one [m], how many directions are unstable, states; and the special points on it."""
+    try:
+        data = continue_equilibria(scene, key, ends, t=t)
+    except (AnalysisError, InputError) as error:
+        return {"note": f"no equilibria: {error}"}
+    tip = data["tip"].values
+    away = np.hypot(*(tip - tip[0]).T)
+    away[away < ROUNDING * scene.rod.length] = 0.0
+    return {
+        "branch": {
+            "value": data["value"].values.tolist(),
+            "away": [one if math.isfinite(one) else None for one in away.tolist()],
+            "unstable": data["unstable"].values.tolist(),
+            "state": data["y"].values.tolist(),
+        },
+        "special": [
+            [float(value), str(kind)]
+            for value, kind in zip(
+                data["special_value"].values, data["special_kind"].values, strict=True
+            )
+        ],
+    }

@@ -1,0 +1,73 @@
+"""Undo and redo for a run: the systems that it had before and after its present one, and kicks and
+pulls, which can be undone alone."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+from rodgen.scene import Scene
+from rodgen.system import System
+from rodgen_live.run.change_marks import ChangeMark
+
+MOST = 100
+
+
+class UndoState(NamedTuple):
+    """A step to go back to: a system; the scene of the file that it was made of; whether a run of
+    it begins at its start; what was done to it, in words; the kick or pull before which the run
+    goes back, if it was one."""
+
+    system: System
+    file: Scene
+    anew: bool
+    what: str
+    mark: ChangeMark | None = None
+
+
+class Undo:
+    """History of the changes of a run's scene. file: the scene as it was taken up, before any
+    change. To be used from one thread at a time."""
+
+    def __init__(self, scene: Scene):
+        self.file = scene
+        self._back: list[UndoState] = []
+        self._forth: list[UndoState] = []
+        self._last = ""
+
+    def note(self, before: System, what: str, anew: bool = False) -> None:
+        """Add a change of a system ("name = value", or other words); those of one value that follow
+        each other, as a slider makes them, count as one. anew: its run begins at the start."""
+        name, is_change, _ = what.partition(" = ")
+        self._forth.clear()
+        if is_change and self._last == name and self._back:
+            self._back[-1] = self._back[-1]._replace(what=what)
+        else:
+            self._back = [*self._back[1 - MOST :], UndoState(before, self.file, anew, what)]
+        self._last = name if is_change else ""
+
+    def note_mark(self, system: System, mark: ChangeMark) -> None:
+        """Add a kick or a pull of a run."""
+        self.note(system, str(mark))
+        self._back[-1] = self._back[-1]._replace(mark=mark)
+
+    def drop_marks(self) -> None:
+        """Drop kicks and pulls: the run that had them is over."""
+        self._back = [kept for kept in self._back if kept.mark is None]
+
+    def note_scene(self, before: System, scene: Scene) -> None:
+        """Add the change to the scene of a file."""
+        self.note(before, f"scene {scene.name}", anew=True)
+        self.file = scene
+
+    def next_state(self, forth: bool) -> UndoState | None:
+        """Step that is undone next, or redone (forth); None where there is none."""
+        some = self._forth if forth else self._back
+        return some[-1] if some else None
+
+    def note_move(self, before: System, forth: bool) -> None:
+        """Note that the next step was undone, or redone (forth), from a system."""
+        here, there = (self._forth, self._back) if forth else (self._back, self._forth)
+        gone = here.pop()
+        if gone.mark is None:
+            there.append(gone._replace(system=before, file=self.file))
+        self.file, self._last = gone.file, ""

@@ -1,0 +1,131 @@
+"""rodgen view: the live view of a scene, in a browser."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from rodgen.cli.console import out
+from rodgen.cli.options import Changes, PointNumber, point_number, read_scene
+from rodgen.errors import InputError
+
+if TYPE_CHECKING:
+    from rodgen.integrate.solution import Solution
+    from rodgen.scene import Scene
+
+RESULT = ".nc"  # what a file of a result ends in
+
+
+def view(
+    scene_file: Annotated[
+        Path | None,
+        typer.Argument(metavar="SCENE", help="A scene, in TOML. With --export also a result."),
+    ] = None,
+    branch: Annotated[
+        Path | None,
+        typer.Option(
+            "--from",
+            metavar="FILE",
+            help="Start in a state of a branch, or on one of its cycles. FILE is written by rodgen"
+            " branch or rodgen cycle-branch.",
+        ),
+    ] = None,
+    point: PointNumber = None,
+    folder: Annotated[
+        Path | None,
+        typer.Option(help="Folder of the scenes to choose from. Default: that of SCENE."),
+    ] = None,
+    changes: Changes = None,
+    host: Annotated[
+        str,
+        typer.Option(help="Address to listen on. Other addresses than the loopback need a token."),
+    ] = "127.0.0.1",
+    port: Annotated[int, typer.Option(help="Port. 0 takes any free port.")] = 8642,
+    paused: Annotated[
+        bool, typer.Option("--paused/--moving", help="Whether the rod waits or moves at first.")
+    ] = False,
+    export: Annotated[
+        Path | None,
+        typer.Option(
+            metavar="FOLDER",
+            help="Write the run of SCENE, or a result in NetCDF, as a page that needs no server. "
+            "FOLDER/index.html opens from the file system.",
+        ),
+    ] = None,
+    opened: Annotated[
+        bool, typer.Option("--open/--no-open", help="Whether to open the page in a browser.")
+    ] = True,
+) -> None:
+    """Watch SCENE move in a browser, change it while it runs, and plot it. Ctrl-C ends it."""
+    if (scene_file is None) == (branch is None):
+        raise InputError(
+            "SCENE", scene_file and str(scene_file), "a scene, or --from with a branch"
+        )
+    if changes and branch is not None:
+        raise InputError("--set", changes, "absent beside --from")
+    if export is not None and scene_file is not None and scene_file.suffix == RESULT:
+        if changes:
+            raise InputError("--set", changes, "absent beside a result")
+        _export_page(lambda: _load_result(scene_file), export)
+        return
+    number = point_number(branch, point, "--from")
+    if branch is not None:
+        scene, beside = _scene_at_point(branch, number), branch
+    elif scene_file is not None:
+        scene, beside = read_scene(scene_file, changes), scene_file
+    if export is not None:
+        _export_page(lambda: _simulate(scene), export)
+        return
+    if not 0 <= port <= 65535:
+        raise InputError("--port", port, "a whole number from 0 to 65535")
+    place = folder or beside.resolve().parent
+    if not place.is_dir():
+        raise InputError("--folder", str(place), "a folder")
+    from rodgen_live.page.server import ServerSettings, serve
+
+    def report_address(address: str) -> None:
+        out.print(f"{scene.name} is shown at {address}\nCtrl-C ends it.")
+
+    serve(ServerSettings(scene, place, host, port, opened, not paused, report_address))
+    out.print("\nEnded.")
+
+
+def _simulate(scene: Scene) -> Solution:
+    """Run a scene."""
+    from rodgen.integrate.simulate import simulate
+
+    return simulate(scene)
+
+
+def _load_result(file: Path) -> Solution:
+    """Load the run in a result, as many samples of it as the live view keeps."""
+    from rodgen.integrate.files.reader import load
+    from rodgen_live.sample_store import MOST
+
+    return load(file, MOST)
+
+
+def _export_page(run: Callable[[], Solution], folder: Path) -> None:
+    """Write a run as a page, once it is known that the folder can be written."""
+    from rodgen_live.page.export import check_folder, export
+
+    check_folder(folder)
+    export(run(), folder)
+    out.print(f"Written: {folder / 'index.html'}")
+
+
+def _scene_at_point(file: Path, number: int) -> Scene:
+    """The scene that starts in the state of a point of a branch in a file."""
+    from rodgen.analyse.branches import equilibrium_data
+    from rodgen.analyse.curves.curve_datasets import read_curve
+    from rodgen.analyse.cycles import cycle_data
+
+    data = read_curve(
+        file, "--from", "a branch", equilibrium_data.FORMAT.name, cycle_data.FORMAT.name
+    )
+    if data.attrs["format"] == cycle_data.FORMAT.name:
+        return cycle_data.scene_at(data, number)
+    return equilibrium_data.scene_at(data, number)

@@ -1,0 +1,182 @@
+"""Messages to a page, read as it reads them, while pages come and go; trails that are whole."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+import pytest
+
+import rodgen
+from live.tests.runs import decoded
+from rodgen.loading import build_fastest
+from rodgen.model.terms import TERMS, THESIS_TERMS
+from rodgen.scene import Scene
+from rodgen_live.open_run import Live
+from rodgen_live.page import elements
+from rodgen_live.run import page_state
+from rodgen_live.run.change_marks import ChangeMarks
+from rodgen_live.run.message import LONGEST_TRAIL, Trail, rod_arrays
+from rodgen_live.run.page_state import AHEAD, PageState
+from rodgen_live.sample_store import Chunk, SampleStore
+from tests.palette import ROD
+
+
+class Stepped:
+    """What a page state asks of a run, without a thread: it goes on when it is told to."""
+
+    def __init__(self, scene: Scene):
+        self.model, self.status = build_fastest(scene), "running"
+        self.live = Live(scene, self.model, scene.integrate.output_every)
+        self.plots: dict[str, Any] = {}
+        self.marks, self.past, self.ghost, self.keeps = ChangeMarks(), None, None, False
+        self.begun, self.goes_round = 0, False
+        self.page = PageState()
+        self.begin()
+
+    def begin(self) -> None:
+        live = self.live
+        live.restart()
+        self.store = SampleStore(live.states, live.works, live.energy_start)
+        self.store.set_parameters(live.p, 0.0)
+        self.page.reset_run(self.plots)
+        self.to(0.0)
+
+    def to(self, t: float) -> None:
+        """Samples up to a time."""
+        chunk = self.store.add(self.live.advance(t, 60.0))
+        self.page_sample = chunk.last()
+        self.page.add_samples(self.plots, chunk)
+
+    def run_status(self) -> None:
+        """What texts are made of."""
+
+
+@pytest.fixture
+def run(monkeypatch: pytest.MonkeyPatch) -> Stepped:
+    monkeypatch.setattr(page_state, "row_texts", lambda *_: {})
+    return Stepped(Scene.from_dict(ROD))
+
+
+def while_made(monkeypatch: pytest.MonkeyPatch, does: Callable[[], None]) -> None:
+    """Something happens in the middle of the next message."""
+
+    def meanwhile(*_: Any) -> dict[str, str]:
+        does()
+        return {}
+
+    monkeypatch.setattr(page_state, "row_texts", meanwhile)
+
+
+# Pages that come and go ------------------------------------------------------------------------
+
+
+def test_page_comes_while_the_message_of_another_is_made(
+    run: Stepped, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """It gets everything, its coming is not forgotten when the other one leaves late, and nothing
+    more goes to one that left meanwhile."""
+    first: list[bytes] = []
+    second: list[bytes] = []
+    run.page.attach(first.append)
+    while_made(monkeypatch, lambda: run.page.attach(second.append))
+    run.page.show(run)
+    while_made(monkeypatch, lambda: run.page.detach(first.append))
+    run.page.show(run)
+    assert run.page.has_page
+    assert [*decoded(second[-1])[1]].count("trail!") == 1
+    run.page.invalidate()  # so that the next one has texts, too
+    while_made(monkeypatch, lambda: run.page.detach(second.append))
+    run.page.show(run)
+    assert not run.page.has_page
+    counts = len(first), len(second)
+    run.to(0.2)
+    run.page.show(run)
+    assert (len(first), len(second)) == counts
+
+
+def test_late_answer_of_a_page_before_holds_nothing_up(run: Stepped) -> None:
+    """It tells of an older message than those that were sent before the present page came."""
+    got: list[bytes] = []
+    run.page.attach(lambda _: None)
+    for k in range(5):
+        run.to(0.1 * k + 0.1)
+        run.page.show(run)
+        run.page.acknowledge(k + 1)
+    run.page.attach(got.append)
+    run.page.acknowledge(3)
+    for k in range(5):
+        run.to(0.1 * k + 0.6)
+        run.page.show(run)
+    assert len(got) == AHEAD  # as many as any page that has drawn none of them
+
+
+# Trails ----------------------------------------------------------------------------------------
+
+
+def test_every_sample_since_the_last_message_is_in_the_trail(run: Stepped) -> None:
+    """Against a run without a page, at its own samples, in single precision."""
+    got: list[bytes] = []
+    sol = rodgen.simulate(Scene.from_dict(ROD), span=[0.0, 1.0])
+    expected = np.c_[sol.tip, sol.centre_of_gravity, sol.t]
+
+    def trail(name: str) -> Any:
+        run.page.show(run)
+        run.page.acknowledge(len(got))
+        return decoded(got[-1])[1][name].reshape(-1, 5)
+
+    run.to(0.2)
+    run.page.attach(got.append)
+    assert trail("trail!") == pytest.approx(expected[:21], abs=1e-6)
+    for t in (0.25, 0.3, 0.6):
+        run.to(t)
+    assert trail("trail") == pytest.approx(expected[21:61], abs=1e-6)
+    run.begin()
+    assert trail("trail!") == pytest.approx(expected[:1], abs=1e-6)
+
+
+@pytest.mark.parametrize("changing", [False, True])
+def test_trail_of_a_page_that_does_not_answer_stays_short(run: Stepped, changing: bool) -> None:
+    """Whether parameters are the same all the time, or others for every sample."""
+    chunk, trail, count = run.page_sample, Trail(), 2 * LONGEST_TRAIL
+    trail.pop(run.model, run.store)
+    for x in range(count):
+        y = chunk.y.copy()
+        y[:, 0] = x  # joint 0, and everything with it
+        p = chunk.p.copy() if changing else chunk.p
+        trail.add(Chunk(chunk.t, y, chunk.work, chunk.works, p))
+    places = trail.pop(run.model, run.store)
+    steps = np.diff(places[:, 0])
+    assert LONGEST_TRAIL / 3 < len(places) <= LONGEST_TRAIL
+    assert steps.min() > 0
+    assert np.ptp(places[:, 0]) > 0.9 * count
+    assert not len(trail.pop(run.model, run.store))
+
+
+# The rod, and the form of messages -------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("terms", "links"), [(THESIS_TERMS, 5), pytest.param(tuple(TERMS), 2, marks=pytest.mark.slow)]
+)
+def test_every_load_that_a_page_draws_is_told(
+    make_scene: Callable[..., Scene], terms: tuple[str, ...], links: int
+) -> None:
+    """Against the module: a force for each joint, gravity beside the centre of gravity."""
+    scene = make_scene(links, terms=terms)
+    model = rodgen.build(scene, "numpy")
+    y, p = scene.initial_state()[None], model.parameters(**scene.parameters)
+    origin, found = rod_arrays(model, Chunk(np.array([0.3]), y, np.zeros((1, 0)), (), p))
+    arrays = dict(found)
+    drawn = {name: term for name, term in elements.LOADS.items() if name in terms}
+    assert len(drawn) >= 2
+    for name, term in drawn.items():
+        if elements.ARROWS[term.kind] == "mass":
+            assert arrays["point"][3] == pytest.approx(9.81)
+        else:
+            force = model.forces(0.3, y[0], p)[name]
+            assert np.abs(force).max() > 0
+            assert arrays[f"forces:{name}"] == pytest.approx(force.ravel(), rel=1e-6)  # single
+    joints = arrays["joints"].reshape(-1, 2) + origin
+    assert joints == pytest.approx(model.joints(y[0], p), abs=1e-6)

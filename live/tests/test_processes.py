@@ -1,0 +1,249 @@
+"""What is made and computed in processes of their own: modules, answers, sweeps of a number."""
+
+from __future__ import annotations
+
+import asyncio
+import json
+import queue
+import signal
+import xml.etree.ElementTree as ElementTree
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+from unittest.mock import Mock
+
+import numpy as np
+import pytest
+
+import rodgen
+from live.tests.conftest import SCENE, SCENES, SHORT, finished, runs, varied
+from live.tests.view import PATIENT
+from rodgen.errors import InputError
+from rodgen.scene import Scene, Structure
+from rodgen.system import System
+from rodgen_live.page import module_builder
+from rodgen_live.page.module_builder import ModuleBuilder
+from rodgen_live.page.sweep_picture import HEIGHT, WIDTH, Diagram, SweepPoint, diagrams_svg
+from rodgen_live.run import critical_search
+from rodgen_live.run.critical_search import COMPUTING, CriticalSearch
+from rodgen_live.run.live_run import LiveRun
+from rodgen_live.run.sweep_computation import sweep
+from rodgen_live.run.worker_main import WORKS, RequestQueue
+from rodgen_live.run.worker_process import Answer, PendingRequest, WorkerProcess
+from tests.palette import ROD
+
+FREE = Scene.from_dict({**ROD, "loads": {}})
+
+
+def test_answers_refusals_and_defects_are_told_and_nothing_of_what_is_dropped(run: LiveRun) -> None:
+    """In the process itself: requests are answered a part at a time, by turns."""
+    told: list[tuple[int, dict[str, Any]]] = []
+    works = RequestQueue(lambda number, **answer: told.append((number, answer)))
+    state = {"t": 0.0, "y": run.shown.y[-1].tolist(), "p": run.shown.p.tolist()}
+    for number, what, scene, more in (
+        (1, "modes", SCENE, state),
+        (2, "critical", FREE, {}),
+        (3, "none", SCENE, {}),
+        (4, "modes", SCENE, state),
+    ):
+        table = json.loads(json.dumps(scene.model_dump(exclude_none=True)))
+        works.accept({"number": number, "what": what, "scene": table, "more": more})
+    works.accept({"number": 4})
+    while len(works):
+        works.advance()
+    (modes,) = WORKS["modes"](SCENE, **state)
+    assert told[0] == (1, {"value": modes, "last": False})
+    assert sorted(number for number, _ in told) == [1, 1, 2, 3]
+    assert {number for number, answer in told if answer["last"]} == {1, 2, 3}
+    refused = {number: answer["refused"] for number, answer in told if "refused" in answer}
+    assert ("follow" in refused[2], "KeyError" in refused[3]) == (True, True)
+
+
+class Told(queue.Queue[Answer]):
+    """Answers in the order in which they came."""
+
+    def all(self) -> list[Answer]:
+        """Up to the last."""
+        found = [self.get(timeout=PATIENT)]
+        while not found[-1].last:
+            found.append(self.get(timeout=PATIENT))
+        return found
+
+
+@pytest.mark.slow
+def test_process_answers_what_is_not_dropped_and_is_started_again_where_it_died() -> None:
+    aside, dropped, told = WorkerProcess(), Told(), Told()
+    try:
+        for errand in [aside.submit("critical", SCENE, dropped.put) for _ in range(50)]:
+            errand.cancel()
+        aside.submit("critical", SCENE, told.put)
+        wanted = [Answer(rodgen.critical_load(SCENE).value), Answer(last=True)]
+        assert told.all() == wanted
+        assert dropped.empty()
+        aside.submit("critical", SCENE, told.put)
+        assert aside._process is not None
+        aside._process.send_signal(signal.SIGKILL)
+        assert told.all()[-1].refused
+        aside.submit("critical", SCENE, told.put)
+        assert told.all() == wanted
+    finally:
+        aside.close()
+
+
+def test_force_of_a_scene_that_changes_is_asked_for_once(
+    clock: Any, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """When nothing has changed for a while; an answer for the scene before is not taken, nor is
+    it waited for."""
+    asked: list[tuple[float, Any]] = []
+    done: list[float] = []
+    aside = Mock(spec=WorkerProcess)
+    aside.submit = lambda _, scene, told: (
+        asked.append((scene.loads.follower.force, told)) or PendingRequest(aside, len(asked))
+    )
+    monkeypatch.setattr(critical_search, "ASIDE", aside)
+    one = CriticalSearch(lambda work: work(), lambda: done.append(one.value), clock)
+
+    def look(force: float) -> None:
+        one.restart(System(Scene.from_dict({**ROD, "loads": {"follower": {"force": force}}})))
+
+    for force in (1.0, 2.0, 3.0):
+        look(force)
+        clock.now += 0.3
+        one.tick()
+    assert asked == []
+    clock.now += 0.3
+    for _ in range(2):
+        one.tick()
+    assert [force for force, _ in asked] == [3.0]
+    look(4.0)
+    aside.cancel.assert_called_once_with(1)
+    asked[0][1](Answer(30.0))
+    assert (one.value, done) == (COMPUTING, [])
+    clock.now += 1.0
+    one.tick()
+    for answer in (Answer(40.0), Answer(last=True)):
+        asked[1][1](answer)
+    assert (one.value, done) == (40.0, [40.0])
+
+
+@pytest.mark.slow
+def test_sweep_of_a_dead_load_has_its_equilibria() -> None:
+    """After the span: the column buckles, and the branch of its straight equilibria, whose states
+    lead on from there, has a point where another leaves it."""
+    scene = Scene.from_toml(SCENES / "euler_column.toml")
+    *_, found = sweep(scene, "loads.tip.y", -30.0, -1.0, t=1e3)
+    assert len(found["branch"]["state"][0]) == len(scene.initial_state())
+    assert {*found["branch"]["away"]} == {0.0}  # straight, but for rounding
+    assert "branch" in [kind for _, kind in found["special"]]
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("text", "at"), [("2*min(t/0.5, 1)", 0), ("interp(t, [0, 1, 9], [1, 3, 3])", 4)]
+)
+def test_number_in_an_expression_is_swept_as_a_load_of_that_size(text: str, at: int) -> None:
+    """At a time when it is the load."""
+    key, ends = "loads.follower.force", (2.0, 9.0)
+    plain = Scene.from_dict(SHORT).replace({"loads.gravity.g": 0.0})
+    timed = plain.replace({key: text})
+    given, expected = (
+        np.array(next(sweep(scene, name, *ends, t=1.0))["rows"], dtype=float)
+        for scene, name in ((timed, f"{key}.{at}"), (plain, key))
+    )
+    assert np.ptp(expected[:, 2]) > 0.005  # Hz: the number is felt
+    np.testing.assert_allclose(given, expected, rtol=1e-9)  # the same, but for rounding
+
+
+def test_rods_of_very_many_links_are_not_swept() -> None:
+    with pytest.raises(InputError, match=r"^rod\.links = 300"):
+        next(sweep(Scene.from_dict(varied(links=300)), "rod.mass", 1.0, 2.0, t=0.0))
+
+
+def test_picture_shows_what_is_stable_and_where_that_ends() -> None:
+    points = [SweepPoint(0.0, -1.0, True), SweepPoint(1.0, 0.5, False), SweepPoint(2.0, 3.0, False)]
+    one = Diagram("growth", 0.0, 2.0, points)
+    svg = ElementTree.fromstring(diagrams_svg([one], "sweep of P", 0.5, 0.7, []))
+    drawn = {line.get("class"): line.get("points") for line in svg.iter("polyline")}
+    assert drawn.keys() == {"stable", "unstable"}
+    assert "0.7" in [text.text for text in svg.iter("text")]
+    assert {"present", "critical"} <= {path.get("class") for path in svg.iter("path")}
+    for point in points:
+        x, y = one.position(point)
+        assert 0 <= x <= WIDTH
+        assert 0 <= y <= HEIGHT
+        assert one.nearest(x + 1.0, y - 40.0) == point
+
+
+def quiet(_: str) -> None:
+    """Of no use is what is being done."""
+
+
+async def come(true: Callable[[], bool]) -> None:
+    async with asyncio.timeout(PATIENT):
+        while not true():
+            await asyncio.sleep(0.05)
+
+
+@pytest.mark.slow
+@pytest.mark.skipif(not Path("/proc/self/stat").exists(), reason="processes are seen in /proc")
+def test_cancelled_making_ends_its_compiler(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """And none is begun while the server ends. A compiler that is started leaves a file, which has
+    the id of its process for a name."""
+    script, folder = tmp_path / "cc", tmp_path / "started"
+    folder.mkdir()
+    script.write_text(f"#!/bin/sh\ntouch {folder}/$$\nexec sleep 600\n")
+    script.chmod(0o755)
+    monkeypatch.setenv("CC", str(script))
+    monkeypatch.setenv("RODGEN_CACHE", str(tmp_path / "cache"))
+
+    def started() -> set[int]:
+        return {int(file.name) for file in folder.iterdir()}
+
+    async def cancelled() -> None:
+        stages: list[str] = []
+        task = asyncio.create_task(ModuleBuilder().build(Structure(2, terms=()), stages.append))
+        await come(lambda: any(map(runs, started())))
+        assert stages
+        task.cancel()
+        with pytest.raises(asyncio.CancelledError):
+            await task
+
+    finished(cancelled())
+    before = started()
+    assert before
+    assert not any(map(runs, before))
+    modules = ModuleBuilder()
+    modules.close()
+    with pytest.raises(InputError, match="module"):
+        finished(modules.build(Structure(2, terms=()), quiet))
+    assert started() == before
+
+
+def test_two_at_a_time_and_none_of_too_many_links(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The third begins when one of the others is given up."""
+    begun: list[int] = []
+
+    async def endless(structure: Structure, _: object) -> None:
+        begun.append(structure.n_links)
+        await asyncio.Event().wait()
+
+    async def three() -> None:
+        modules = ModuleBuilder()
+        tasks = [asyncio.create_task(modules.build(Structure(n), quiet)) for n in (2, 3, 4)]
+        await come(lambda: len(begun) == 2)
+        for _ in range(10):  # nothing else is to be done
+            await asyncio.sleep(0)
+        assert begun == [2, 3]
+        tasks[0].cancel()
+        await come(lambda: len(begun) == 3)
+        for task in tasks[1:]:
+            task.cancel()
+        await asyncio.gather(*tasks, return_exceptions=True)
+
+    monkeypatch.setattr(module_builder, "_build", endless)
+    finished(three())
+    with pytest.raises(InputError, match="2000"):
+        finished(ModuleBuilder().build(Structure(2001), quiet))

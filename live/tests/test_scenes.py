@@ -1,0 +1,282 @@
+"""Scenes as the page takes and gives them: in a list, edited, and in an address that holds all."""
+
+from __future__ import annotations
+
+import base64
+import zlib
+from collections.abc import Iterator, Mapping
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+from xml.etree import ElementTree
+
+import numpy as np
+import pytest
+
+import rodgen
+from live.tests.conftest import SCENE, SCENES, varied
+from live.tests.runs import does, to
+from rodgen.errors import InputError
+from rodgen.model.rod import BOUNDARIES
+from rodgen.model.terms import TERMS
+from rodgen.scene import Scene
+from rodgen.system import System
+from rodgen_live.page.build_process import dump, parse
+from rodgen_live.page.pulls import usual_spring
+from rodgen_live.page.sketch import HIGH, WIDE, joints_at_start, sketch
+from rodgen_live.run.link import Link, RunSample, apply_link, make_link
+from rodgen_live.run.live_run import LiveRun
+from rodgen_live.run.scene_edits import (
+    LARGEST,
+    SceneFolder,
+    StructureForm,
+    fields_of,
+    initial_labels,
+    reshape,
+    scene_from_bytes,
+    slider_scale,
+    structure_form,
+)
+from tests.palette import ENDS, ROD
+from tests.told import refused
+
+
+def changed(scene: Scene, changes: Mapping[str, Any]) -> Scene:
+    """As a slider does it."""
+    return System(scene).at(changes).scene
+
+
+FILES = sorted(SCENES.glob("*.toml"))
+MISSILE = SCENES / "missile.toml"
+
+
+def test_folder_gives_its_own_scenes_alone(tmp_path: Path) -> None:
+    inside = tmp_path / "inside"
+    inside.mkdir()
+    good = MISSILE.read_text()
+    (inside / "good.toml").write_text(good)
+    (tmp_path / "outside.toml").write_text(good)
+    (inside / "link.toml").symlink_to(tmp_path / "outside.toml")
+    (inside / "folder.toml").mkdir()
+    folder = SceneFolder(inside)
+    assert folder.names() == ["good"]
+    assert folder.scene("good").name == "missile"
+    for name in ("link", "folder", "../outside", "/etc/passwd", "good.toml", "", "*"):
+        with pytest.raises(InputError, match=r"^scene = "):
+            folder.scene(name)
+
+
+def test_every_number_of_a_scene_has_a_field() -> None:
+    """Of its tables of what is modelled; but for counts, names, and what is chosen in the panel of
+    the structure, where the initial state is too. Of one with what scenes of the package lack, and
+    of that which has most of all else."""
+    table = {
+        **varied(bending_stiffness=[5.0, 6.0, 5.0, 6.0, 5.0, 6.0]),
+        "loads": {
+            "follower": [{"force": 2.0}, {"force": "3*t", "at": 0.4}],
+            "distributed_follower": {"force_per_length": [1.0, 2.0, 3.0, 4.0, 5.0]},
+        },
+        "foundation": {"stiffness": "3 + s"},
+        "supports": [{"at": 0.5, "to": [1.0, 0.0], "rotation": 3.0, "damping": [0.0, 2.0]}],
+    }
+    rocket = Scene.from_toml(SCENES / "sounding_rocket.toml")
+
+    def leaves(table: object, *path: str) -> Iterator[str]:
+        if isinstance(table, dict | list):
+            for key, inner in table.items() if isinstance(table, dict) else enumerate(table):
+                yield from leaves(inner, *path, str(key))
+        else:
+            yield ".".join(path)
+
+    for scene in (Scene.from_dict(table), rocket):
+        modelled = scene.model_dump(exclude_none=True, exclude={"name", "initial", "integrate"})
+        fields = {field.key for field in fields_of(scene)}
+        starts = {*initial_labels(scene)}
+        names = {f"bodies.{k}.name" for k in range(len(scene.bodies))}
+        chosen = {"rod.links", "rod.boundary", "rod.inertia", *names}
+        assert set(leaves(modelled)) - fields - starts == chosen
+
+
+def test_form_that_cannot_be_is_refused() -> None:
+    scene = Scene.from_toml(MISSILE)
+    for form, field in (
+        (StructureForm(0, "free", "uniform", ()), "rod.links"),
+        (StructureForm(1, "cantilever", "uniform", ()), "rod.links"),
+        (StructureForm(3, "glued", "uniform", ()), "rod.boundary"),
+    ):
+        assert refused(reshape, scene, form, {}).field == field
+    with pytest.raises(InputError, match=r"initial\.phi"):
+        reshape(scene, structure_form(scene), {"initial.phi": "__import__('os')"})
+
+
+def test_amplitude_of_a_load_has_the_slider_of_its_key() -> None:
+    """Before the expression, whose other numbers follow; all else of the text stays as written, and
+    what two sliders of one text change meanwhile is kept."""
+    scene = Scene.from_toml(MISSILE)
+    fields = [one for one in fields_of(scene) if one.key.startswith("loads.follower.force")]
+    assert [field.value for field in fields] == [300.0, None, 0.5, 1.0]
+    assert fields[0].slider_range(slider_scale(fields[0])) == (0.0, 900.0)
+    other = changed(scene, fields[0].changes(320.0) | fields[2].changes(0.25))
+    assert other.loads.follower is not None
+    assert other.loads.follower.force == "320*min(t/0.25, 1)"
+    assert other.structure == scene.structure
+    for value in ("abc", float("nan")):
+        with pytest.raises(InputError, match=r"^loads\.follower\.force"):
+            changed(scene, fields[0].changes(value))
+
+
+def test_supports_can_be_moved() -> None:
+    """The fixed point of one is where the rod was until it is moved."""
+    table = Scene.from_toml(SCENES / "foundation.toml").model_dump(exclude_none=True)
+    table["supports"] = [{"at": 0.5}, {"at": 1.0, "stiffness": [5.0, 20.0]}]
+    scene = Scene.from_dict(table)
+    fields = {field.key: field for field in fields_of(scene)}
+    other = changed(scene, fields["supports.1.stiffness.1"].changes(33.0))
+    assert other.structure == scene.structure
+    assert other.parameters["support_stiffness_y"][-1] == 33.0
+    x, y = (fields[f"supports.1.to.{part}"] for part in range(2))
+    assert (x.value, y.value) == (scene.rod.length, 0.0)
+    other = changed(scene, y.changes(0.3))
+    assert other.supports[1].to == [x.value, 0.3]
+    (x,) = (field for field in fields_of(other) if field.key == x.key)
+    assert changed(other, x.changes(0.7)).supports[1].to == [0.7, 0.3]
+
+
+def test_terms_that_anchor_a_rod_and_states_can_be_chosen() -> None:
+    scene = Scene.from_dict(ROD)
+    form = structure_form(scene)
+    held = reshape(scene, replace(form, terms=(*form.terms, "foundation", "supports")), {})
+    assert held.anchors.terms == ("foundation", "supports")
+    assert max(held.parameters["support_stiffness_y"]) > 0
+    assert reshape(held, form, {}) == scene
+    scene = Scene.from_toml(SCENES / "sounding_rocket.toml")
+    key = "states.gimbal.initial"
+    assert key in initial_labels(scene)
+    other = reshape(scene, structure_form(scene), {key: 0.05})
+    assert (other.structure, other.initial_state()[-1]) == (scene.structure, 0.05)
+
+
+ONE = {"t": "0", "y": "[]", "work": "[]", "given": "0", "start": "0"}  # a state, as it is written
+
+
+def test_link_brings_back_plots_view_time_and_state(run: LiveRun, other: LiveRun) -> None:
+    """And what was done up to there: the balance of the other run goes on as that of the first,
+    over a change of its mass, which is of after the sample that is looked at."""
+    run.submit(lambda: run.add_plot({"kind": "time", "y": ["phi_4"], "window": 3.0})).result()
+    to(run, 0.3)
+    heavier = SCENE.replace({"rod.mass": 4.0})
+    does(run, lambda: run.change(heavier, "rod.mass = 4"), lambda: run.look_at(0.2))
+    link = Link.unpack(run.submit(lambda: make_link(run, "axes")).result().pack())
+    assert (link.scene, link.view) == (heavier, "axes")
+    does(other, lambda: other.switch_to(link.scene), lambda: apply_link(other, link))
+    assert other.undo.file == SCENE
+    assert other.store.span == (0.2, 0.2)
+    assert other.shown.y == pytest.approx(run.page_sample.y, abs=0.0)
+    ((name, plot),) = other.plots.items()
+    assert plot.spec == replace(run.plots["p1"].spec, id=name)
+    to(other, 0.4)
+    balance = other.catalogue.columns(["energy_balance"], other.shown)[0, 0]
+    assert balance == pytest.approx(0.0, abs=1e-6)  # rtol 1e-8 of some 30 J
+
+
+def test_state_of_a_very_long_rod_is_left_out_and_that_of_another_refused(other: LiveRun) -> None:
+    state = RunSample(1.0, (0.5,) * 2001, (), 0.0, 0.0)
+    assert Link.unpack(Link(SCENE, state=state).pack()).state is None
+    link = Link(SCENE, state=RunSample(1.0, (0.0,), (), 0.0, 0.0))
+    with pytest.raises(InputError, match=r"page\.state"):
+        other.submit(lambda: apply_link(other, link)).result()
+    assert other.store.span == (0.0, 0.0)
+
+
+def packed(text: str) -> str:
+    return base64.urlsafe_b64encode(zlib.compress(text.encode())).decode()
+
+
+def test_other_addresses_are_refused() -> None:
+    """What is no scene, a bomb, and pages that are none."""
+    for text in (
+        *("", "é", "!!!!", "AAAA", "../../etc/passwd", "a" * 100_000, packed("name = 3")),
+        *(packed(" " * (LARGEST + 10)), packed("a = " + "[" * 10_000)),
+    ):
+        with pytest.raises(InputError):
+            Link.unpack(text)
+    states = [{"t": "1.0"}, ONE | {"t": "nan"}, ONE | {"y": '["x"]'}, ONE | {"y": "3"}]
+    pages = [f"[page]\n{key} = 3" for key in ("plots", "view", "state")] + [
+        "[page.state]\n" + "\n".join(f"{key} = {value}" for key, value in state.items())
+        for state in states
+    ]
+    for before, after in [("page = 3", ""), *(("", page) for page in pages)]:
+        with pytest.raises(InputError, match="page"):
+            Link.unpack(packed(f"{before}\n{SCENE.to_toml()}\n{after}"))
+
+
+def test_joints_at_the_start_are_those_of_the_module() -> None:
+    scene = Scene.from_dict(ROD)
+    model = rodgen.build(scene, target="numpy")
+    found = model.joints(scene.initial_state(), model.parameters(**scene.parameters))
+    assert joints_at_start(scene) == pytest.approx(found, abs=1e-14)  # rounding of lengths of 2 m
+
+
+@pytest.mark.parametrize("path", FILES, ids=lambda path: path.stem)
+def test_scenes_of_the_package_can_be_edited_packed_and_drawn(path: Path) -> None:
+    """What is moved of parameters arrives in the scene, under its name in the module, and stays in
+    its module; but for values along the rod. Rods can be held in every way; what an address or a
+    text holds of them comes back. They are in their pictures whole, whatever holds them, and with
+    an arrow for each force and weight."""
+    scene, by = Scene.from_toml(path), 0.05  # less than between two knots of any table there
+    fixed = {"mass"} if scene.rod.mass is None else {}  # it follows from the mass per length
+    given = {name: v for name, v in scene.parameters.items() if isinstance(v, float)}
+    reached = {name: v for name, v in given.items() if name not in fixed}
+    moved = dict(reached)
+    for field in fields_of(scene):
+        if field.value is None or "fin_factor" in field.key:
+            continue
+        low, high = field.slider_range(slider_scale(field))
+        assert low <= field.value <= high
+        if field.of.fixed:
+            continue
+        other = changed(scene, field.changes(min(field.value + by, field.of.most or float("inf"))))
+        assert other.structure == scene.structure
+        for name, value in other.parameters.items():
+            if name in reached and value != reached[name]:
+                assert value == pytest.approx(reached[name] + by)
+                del moved[name]
+    assert moved == {}
+    for boundary in BOUNDARIES:
+        forms = [
+            StructureForm(5, boundary, "lumped", ()),
+            StructureForm(6, boundary, "uniform", ENDS),
+        ]
+        # Massless links carry no body that has inertia.
+        for form in forms[any(body.inertia for body in scene.bodies) :]:
+            other = reshape(scene, form, {})
+            assert structure_form(other) == form
+            moving = form.links - (boundary == "cantilever") + 2 * (boundary == "free")
+            assert other.initial_state().size == 2 * moving + len(scene.states)
+    assert scene_from_bytes(scene.to_toml().encode()) == scene
+    assert {parse(dump(scene.structure))} == {scene.structure}  # in another process, too
+    stiffness, damping = usual_spring(scene)  # of the spring of a pull
+    assert stiffness > 0 <= damping
+    text = Link(scene).pack()
+    assert (text.isascii(), text.replace("-", "").replace("_", "").isalnum()) == (True, True)
+    assert Link.unpack(text) == Link(scene)
+    root = ElementTree.fromstring(sketch(scene))
+    shapes = " ".join(shape.get("points", "") for shape in root.iter()).replace(",", " ")
+    points = np.reshape(shapes.split(), (-1, 2)).astype(float)
+    assert np.all((points > -1) & (points < (WIDE + 1, HIGH + 1)))
+    arrows = root.iter("{http://www.w3.org/2000/svg}polygon")
+    forces = [TERMS[name] for name in scene.loads.terms if not TERMS[name].is_damping]
+    assert {shape.get("fill") for shape in arrows} == {term.colours[0] for term in forces}
+
+
+def test_fin_factors_can_be_moved_and_nonsense_leaves_a_scene_as_it_was() -> None:
+    """Factors by part as by joint."""
+    scene = Scene.from_toml(MISSILE)
+    factor = "loads.external_damping.fin_factor"
+    assert changed(scene, {f"{factor}.tail": 7.0}).parameters["fin_factor"][-1] == 7.0
+    listed = changed(scene, {factor: [1.0] * 21})
+    assert changed(listed, {f"{factor}.3": 9.0}).parameters["fin_factor"][3] == 9.0
+    for value in (float("nan"), float("inf"), -1.0, 0.0, "1", None):
+        with pytest.raises(InputError, match=r"rod\.mass"):
+            changed(scene, {"rod.mass": value})
+    assert scene == Scene.from_toml(MISSILE)
