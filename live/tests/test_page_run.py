@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from live.tests.conftest import SCENE, finished
+from live.tests.conftest import SCENE, SCENES, finished
 from live.tests.runs import does, to
 from rodgen.errors import InputError
 from rodgen.loading import build
@@ -19,6 +19,7 @@ from rodgen_live.page.page_run import PageRun
 from rodgen_live.pull import Pull
 from rodgen_live.run import live_run, pulling
 from rodgen_live.run.live_run import LiveRun
+from rodgen_live.run.scene_edits import SceneFolder
 
 MASS, GRAVITY, LINKS = "rod.mass", "loads.gravity.g", "rod.links"
 
@@ -49,7 +50,7 @@ def page(making: Making, monkeypatch: pytest.MonkeyPatch) -> Iterator[PageRun]:
     # Without a page: nothing of it is asked for.
     nowhere: Any = None
     run = LiveRun(SCENE)
-    yield PageRun(run, making.make, nowhere, nowhere, {})
+    yield PageRun(run, making.make, nowhere, nowhere, {}, SceneFolder(SCENES))
     run.close()
 
 
@@ -153,3 +154,18 @@ def test_kick_and_pull_are_undone(page: PageRun, other: LiveRun) -> None:
     assert page.scene.rod.mass == 3.0
     does(run, lambda: run.kick(2, 0.5, (3.0, 1.0)), run.restart)
     assert run.undo.next_state(forth=False) is None  # of another run
+
+
+def test_text_of_a_run_is_that_of_its_file_with_its_changes(page: PageRun) -> None:
+    """Its comments stay, also over an undo; of a scene without a text it is as `to_toml` has it."""
+    assert page.text == SCENE.to_toml()
+    text = f"# A comment.\n{SCENE.to_toml()}"
+
+    async def edits() -> None:
+        await page.run_text(text.replace("mass = 3.0", "mass = 4.0 # kg"))
+        await page.change({MASS: 5.0}, "rod.mass = 5")
+
+    finished(edits())
+    assert page.text == text.replace("mass = 3.0", "mass = 5.0 # kg")
+    finished(page.undo())
+    assert page.text == text.replace("mass = 3.0", "mass = 4.0 # kg")

@@ -33,7 +33,6 @@ from rodgen_live.run.scene_edits import (
     fields_of,
     initial_labels,
     reshape,
-    scene_from_bytes,
     slider_scale,
     structure_form,
 )
@@ -253,7 +252,7 @@ def test_scenes_of_the_package_can_be_edited_packed_and_drawn(path: Path) -> Non
             assert structure_form(other) == form
             moving = form.links - (boundary == "cantilever") + 2 * (boundary == "free")
             assert other.initial_state().size == 2 * moving + len(scene.states)
-    assert scene_from_bytes(scene.to_toml().encode()) == scene
+    assert SceneFolder(SCENES).parse(scene.to_toml()) == scene
     assert {parse(dump(scene.structure))} == {scene.structure}  # in another process, too
     stiffness, damping = usual_spring(scene)  # of the spring of a pull
     assert stiffness > 0 <= damping

@@ -11,18 +11,24 @@ import typer
 from rodgen.cli.console import out
 from rodgen.cli.options import Changes, PointNumber, point_number, read_scene
 from rodgen.errors import InputError
+from rodgen.scene.examples import find_example
 
 if TYPE_CHECKING:
     from rodgen.integrate.solution import Solution
     from rodgen.scene import Scene
 
+FIRST = "flutter"  # scene of rodgen that is shown by default
 RESULT = ".nc"  # what a file of a result ends in
 
 
 def view(
     scene_file: Annotated[
         Path | None,
-        typer.Argument(metavar="SCENE", help="A scene, in TOML. With --export also a result."),
+        typer.Argument(
+            metavar="SCENE",
+            help=f"A scene, in TOML. With --export also a result. Default: the scene {FIRST} of"
+            " rodgen, a column that flutters.",
+        ),
     ] = None,
     branch: Annotated[
         Path | None,
@@ -60,10 +66,10 @@ def view(
     ] = True,
 ) -> None:
     """Watch SCENE move in a browser, change it while it runs, and plot it. Ctrl-C ends it."""
-    if (scene_file is None) == (branch is None):
-        raise InputError(
-            "SCENE", scene_file and str(scene_file), "a scene, or --from with a branch"
-        )
+    if scene_file is not None and branch is not None:
+        raise InputError("SCENE", str(scene_file), "absent beside --from")
+    if branch is None:
+        scene_file = scene_file or find_example(FIRST)
     if changes and branch is not None:
         raise InputError("--set", changes, "absent beside --from")
     if export is not None and scene_file is not None and scene_file.suffix == RESULT:
@@ -72,10 +78,16 @@ def view(
         _export_page(lambda: _load_result(scene_file), export)
         return
     number = point_number(branch, point, "--from")
+    text = ""
     if branch is not None:
         scene, beside = _scene_at_point(branch, number), branch
     elif scene_file is not None:
         scene, beside = read_scene(scene_file, changes), scene_file
+        text = scene_file.read_text("utf-8")
+        if changes:
+            from rodgen_live.run.scene_text import edited_text
+
+            text = edited_text(text, read_scene(scene_file, None), scene)
     if export is not None:
         _export_page(lambda: _simulate(scene), export)
         return
@@ -89,7 +101,7 @@ def view(
     def report_address(address: str) -> None:
         out.print(f"{scene.name} is shown at {address}\nCtrl-C ends it.")
 
-    serve(ServerSettings(scene, place, host, port, opened, not paused, report_address))
+    serve(ServerSettings(scene, place, text, host, port, opened, not paused, report_address))
     out.print("\nEnded.")
 
 

@@ -28,7 +28,10 @@ from rodgen.scene.examples import (
 def scenes(as_json: AsJson = False) -> None:
     """List the scenes and studies that come with rodgen."""
     found = {
-        kind: {n: {"file": str(path), "about": first_sentence(path)} for n, path in of.items()}
+        kind: {
+            name: {"file": str(path), "about": first_sentence(path.read_text("utf-8"))}
+            for name, path in of.items()
+        }
         for kind, of in (("scenes", examples()), (STUDIES, studies()))
     }
     if as_json:

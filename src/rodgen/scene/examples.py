@@ -45,9 +45,8 @@ def find_example(name: str, known: Mapping[str, Path] | None = None) -> Path:
     return known[name]
 
 
-def first_sentence(path: Path) -> str:
-    """The first sentence of the comment at the top of a file."""
-    text = path.read_text(encoding="utf-8")
+def first_sentence(text: str) -> str:
+    """The first sentence of the comment at the top of a file's text."""
     comment = " ".join(line[1:].strip() for line in takewhile(COMMENT, text.splitlines()))
     found = SENTENCE.match(comment)
     return found[0] if found else ""

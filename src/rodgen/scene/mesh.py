@@ -85,6 +85,12 @@ def with_links(scene: SceneTables, links: int) -> dict[str, Any]:
     """Tables of the same rod with another number of links and its damping converted."""
     st.check_links(links, scene.rod.boundary, "links")
     _check_no_lists(scene)
+    return refined_tables(scene, links)
+
+
+def refined_tables(scene: SceneTables, links: int) -> dict[str, Any]:
+    """Tables with another number of links and damping converted; values that are given link by link
+    are left as they are."""
     tables: dict[str, Any] = scene.model_dump(exclude_none=True)
     tables["rod"]["links"] = links
     if scene.rod.spring is not None:

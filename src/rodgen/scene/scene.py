@@ -127,8 +127,8 @@ class Scene(SceneTables, Plottable):
 
     def to_toml(self) -> str:
         """Write the scene as text of a TOML file, which `from_toml` reads to an equal scene;
-        numbers of tables that were read from files stand in it."""
-        return tomli_w.dumps(self.to_dict())
+        numbers of tables that were read from files stand in it, empty lists and tables do not."""
+        return tomli_w.dumps(_without_empty(self.to_dict()))
 
     def replace(self, changes: Mapping[str, Any] | None = None, /, **others: Any) -> Scene:
         """Copy with other values of keys, by their dotted names, checked as in a file.
@@ -232,6 +232,12 @@ class Scene(SceneTables, Plottable):
         value for every link or watches one of its links.
         """
         return self.from_dict(with_links(self, links))
+
+
+def _without_empty(table: dict[str, Any]) -> dict[str, Any]:
+    """Copy of a table without lists and tables that are empty, at any depth."""
+    made = {k: _without_empty(v) if isinstance(v, dict) else v for k, v in table.items()}
+    return {key: value for key, value in made.items() if value not in ({}, [])}
 
 
 def with_values(scene: Scene, given: Mapping[str, Any]) -> Scene:

@@ -57,7 +57,7 @@ class DownloadsPanel:
 
     def _save_scene(self) -> None:
         scene = self.page.scene
-        ui.download.content(scene.to_toml().encode(), f"{scene.name}.toml", "application/toml")
+        ui.download.content(self.page.text.encode(), f"{scene.name}.toml", "application/toml")
 
     async def _make_link(self) -> None:
         view = str(self.page.tab.get(VIEW, ""))

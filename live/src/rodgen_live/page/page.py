@@ -9,6 +9,7 @@ from functools import partial
 from typing import Any
 
 from nicegui import Client, app, ui
+from nicegui.events import ValueChangeEventArguments
 
 from rodgen.errors import InputError
 from rodgen.model.palette import DARK, LIGHT
@@ -16,10 +17,11 @@ from rodgen.scene import Scene
 from rodgen_live.page.downloads import DownloadsPanel
 from rodgen_live.page.elements import Aria, Channel, style_sheet
 from rodgen_live.page.module_builder import BuildProgress, ModuleBuilder
-from rodgen_live.page.page_run import VIEW, PageRun, Panel, Sessions, notify
+from rodgen_live.page.page_run import PANEL, VIEW, PageRun, Panel, Sessions, notify
 from rodgen_live.page.plots import PlotsPanel
 from rodgen_live.page.rod_view import VIEWS, RodPanel, first_view
 from rodgen_live.page.structure_panel import StructurePanel
+from rodgen_live.page.text_panel import TextPanel
 from rodgen_live.page.timeline import TimeLine
 from rodgen_live.page.toolbar import Toolbar
 from rodgen_live.page.values_panel import ParametersPanel, ValuesPanel
@@ -28,7 +30,7 @@ from rodgen_live.run.live_run import LiveRun
 from rodgen_live.run.scene_edits import SceneFolder
 
 ADDRESS = "/live/channel/"  # of the WebSocket of a run, before its name
-RUN, PACKED, PANEL = "run", "packed", "panel"  # what a tab of the browser remembers, beside VIEW
+RUN, PACKED = "run", "packed"  # what a tab of the browser remembers, beside VIEW and PANEL
 # The token is kept by a cookie: it is not to be copied with the address.
 FORGET_TOKEN = """
     const url = new URL(location.href);
@@ -49,6 +51,7 @@ TABS: dict[str, Callable[[PageRun], Panel]] = {
     "Values": ValuesPanel,
     "Parameters": ParametersPanel,
     "Scene": StructurePanel,
+    "Text": TextPanel,
     "Save": DownloadsPanel,
 }
 
@@ -62,11 +65,13 @@ class Page:
         modules: ModuleBuilder,
         folder: SceneFolder,
         first: Scene,
+        text: str,
         moves: bool,
     ):
-        """Prepare a page; first: scene shown at first; moves: whether a run begins by itself."""
+        """Prepare a page; first: scene shown at first; text: of its file, if it has one; moves:
+        whether a run begins by itself."""
         self._sessions, self._modules = sessions, modules
-        self._folder, self._first, self._moves = folder, first, moves
+        self._folder, self._first, self._text, self._moves = folder, first, text, moves
 
     async def show(self, packed: str) -> None:
         """Build the page: of the run that this tab had, of a scene in the address, or of the first
@@ -118,6 +123,7 @@ class Page:
             self._sessions.close(name)
             run = None
         if run is not None:
+            run.texts = {self._first: self._text} if self._text else {}
             tab[VIEW] = link.view if link.view in VIEWS else first_view(link.scene)
             await self._apply_link(run, link)
         return name, run
@@ -138,11 +144,11 @@ class Page:
             notify(self._client, f"The address cannot be followed in all: {error}")
 
     def _build(self, name: str, run: LiveRun, tab: MutableMapping[str, Any]) -> PageRun:
-        page = PageRun(run, self._progress.build, self._client, self._root, tab)
+        page = PageRun(run, self._progress.build, self._client, self._root, tab, self._folder)
         with self._root:
             Channel(ADDRESS + name)
             Aria()
-            bar = Toolbar(page, self._folder, lambda: ui.run_javascript(TURN_SHADE))
+            bar = Toolbar(page, lambda: ui.run_javascript(TURN_SHADE))
             with ui.element("div").classes("rg-columns"):
                 with ui.element("div").classes("rg-left"):
                     rod, line, plots = RodPanel(page), TimeLine(page), PlotsPanel(page)
@@ -165,9 +171,14 @@ class Page:
 def _tabs(page: PageRun) -> list[Panel]:
     with ui.tabs().props("dense no-caps align=justify") as heads:
         tabs = {title: ui.tab(title) for title in TABS}
-    shown = page.tab.get(PANEL, "Parameters")
+    shown = page.tab.setdefault(PANEL, "Parameters")
     panels = ui.tab_panels(heads, value=shown, animated=False).props("keep-alive")
-    panels.on_value_change(lambda event: page.tab.update({PANEL: event.value}))
+
+    def turn(event: ValueChangeEventArguments[Any]) -> None:
+        page.tab[PANEL] = event.value
+        page.refresh()
+
+    panels.on_value_change(turn)
     made = []
     with panels.classes("rg-panels"):
         for title, build in TABS.items():

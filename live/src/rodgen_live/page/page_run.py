@@ -13,7 +13,7 @@ from collections.abc import (
     Mapping,
     MutableMapping,
 )
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from functools import partial
 from typing import Any, Protocol, TypeVar
@@ -25,11 +25,13 @@ from rodgen.errors import InputError
 from rodgen.scene import Scene, Structure
 from rodgen.system import System
 from rodgen_live.run.live_run import LiveRun
+from rodgen_live.run.scene_edits import SceneFolder
+from rodgen_live.run.scene_text import edited_text
 
 GRACE = 7.0  # seconds that a page may take to come back, as it does on a reload
 FIRST = 30.0  # seconds that it may take to come at first
 MOST = 16  # runs at a time
-VIEW = "view"  # chosen by the tab of a browser, which keeps it over a reload
+VIEW, PANEL = "view", "panel"  # chosen by the tab of a browser, which keeps them over a reload
 
 T = TypeVar("T")
 Edit = Callable[[System], System]
@@ -145,7 +147,7 @@ class PageRun:
     """A run and the page that shows it; when something has changed, all panels are refreshed.
 
     make: makes the module of a scene; root: the element that dialogs are built in; tab: what the
-    tab of the browser remembers over a reload.
+    tab of the browser remembers over a reload; folder: scenes to choose from.
 
     A system is changed in the run's own thread, by a function from the system that is there: what
     comes between, from elsewhere on the page, is not lost.
@@ -158,8 +160,10 @@ class PageRun:
         client: Client,
         root: Element,
         tab: MutableMapping[str, Any],
+        folder: SceneFolder,
     ):
         self.run, self.client, self.root, self.tab = run, client, root, tab
+        self.folder = folder
         self.panels: tuple[Panel, ...] = ()
         self._make, self._making = make, asyncio.Lock()
 
@@ -167,6 +171,19 @@ class PageRun:
     def scene(self) -> Scene:
         """The scene as it is now."""
         return self.run.live.scene
+
+    @property
+    def text(self) -> str:
+        """Text of the scene as it is now: that of its file, with the values that are others."""
+        scene, file = self.scene, self.run.undo.file
+        known = self.run.texts.get(file)
+        if known is None or scene == file:
+            return known or scene.to_toml()
+        text = edited_text(known, file, scene)
+        with suppress(InputError):
+            if self.folder.parse(text) == scene:
+                return text
+        return scene.to_toml()
 
     def refresh(self) -> None:
         """Refresh all panels."""
@@ -217,6 +234,13 @@ class PageRun:
             self.run.switch_to,
             lambda before: self.run.undo.note_scene(before, scene),
         )
+
+    async def run_text(self, text: str) -> Scene:
+        """Run the scene of a text, from its start. Raises InputError."""
+        scene = await asyncio.to_thread(self.folder.parse, text)
+        self.run.texts[scene] = text
+        await self.run_scene(scene)
+        return scene
 
     async def undo(self, forth: bool = False) -> None:
         """Go back to the system before the last change, or before the last kick or pull; or forth

@@ -4,25 +4,25 @@ from __future__ import annotations
 
 from collections.abc import Awaitable, Callable
 
-from nicegui import ui
 from nicegui.element import Element
 from nicegui.events import GenericEventArguments
 
 from rodgen_live.page.elements import STATIC
+from rodgen_live.page.fields import IconButton
 from rodgen_live.run.scene_edits import LARGEST
 
 ENDING = ".toml"
 
 
 class SceneFile(Element, component=STATIC / "scene_file.js"):
-    """A button that opens a dialog for files; chosen: given the bytes of one; refused: called for
+    """A button that opens a dialog for files; chosen: given the text of one; refused: called for
     what is longer than a scene, or no text.
 
     NiceGUI's own upload has a route for every element, which FastAPI keeps with all of its page.
     """
 
     def __init__(
-        self, chosen: Callable[[bytes], Awaitable[None]], refused: Callable[[], object]
+        self, chosen: Callable[[str], Awaitable[None]], refused: Callable[[], object]
     ) -> None:
         super().__init__()
         self._chosen, self._pieces = chosen, list[str]()
@@ -30,8 +30,7 @@ class SceneFile(Element, component=STATIC / "scene_file.js"):
         self.on("piece", self._add_piece)
         self.on("refused", refused)
         pick = f'() => runMethod({self.id}, "pick", [])'
-        button = ui.button("A scene in TOML…", icon="upload_file").on("click", js_handler=pick)
-        button.props("flat no-caps")
+        IconButton("folder_open", "Open a file").on("click", js_handler=pick)
 
     async def _add_piece(self, event: GenericEventArguments) -> None:
         self._pieces.append(str(event.args["text"]))
@@ -40,4 +39,4 @@ class SceneFile(Element, component=STATIC / "scene_file.js"):
         elif event.args["last"]:
             text = "".join(self._pieces)
             self._pieces.clear()
-            await self._chosen(text.encode())
+            await self._chosen(text)

@@ -50,13 +50,15 @@ GONE = 4404  # code of a WebSocket: there is no such run
 
 @dataclass(frozen=True)
 class ServerSettings:
-    """Settings of the server. scene: shown first; folder: scenes to choose from; host, port: where
+    """Settings of the server. scene: shown first; folder: scenes to choose from; text: that the
+    scene was read from, if it was; host, port: where
     the server listens, port 0: at any that is free; opens: whether a browser is started; moves:
     whether a page begins with a run that moves, over the span of its scene and over again; said:
     told the address, that for other machines where they are let in."""
 
     scene: Scene
     folder: Path
+    text: str = ""
     host: str = LOOPBACK
     port: int = 0
     opens: bool = True
@@ -109,7 +111,8 @@ def _build_site(
 
     @ui.page("/", title="rodgen", response_timeout=20)
     async def _(scene: str = "") -> None:
-        await Page(sessions, modules, folder, settings.scene, settings.moves).show(scene)
+        first = settings.scene, settings.text
+        await Page(sessions, modules, folder, *first, settings.moves).show(scene)
 
     @site.get(SKETCH + "{name}")
     def _(name: str) -> Response:

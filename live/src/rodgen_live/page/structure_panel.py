@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import asyncio
 from typing import Any
 
 from nicegui import ui
@@ -22,13 +21,11 @@ from rodgen_live.page.fields import (
     show_refusals,
 )
 from rodgen_live.page.page_run import PageRun
-from rodgen_live.page.scene_file import ENDING, SceneFile
 from rodgen_live.run.scene_edits import (
-    LARGEST,
     StructureForm,
+    conversions,
     initial_labels,
     reshape,
-    scene_from_bytes,
     structure_form,
 )
 
@@ -65,8 +62,6 @@ class StructurePanel:
         ui.label(
             "Another structure is derived and compiled first; other values need no restart."
         ).classes("rg-hint")
-        heading("From a file")
-        SceneFile(self._upload, self._report_rejection)
 
     def refresh(self) -> None:
         """Show the scene as it is now, if it has changed."""
@@ -97,12 +92,14 @@ class StructurePanel:
         show_refusals(self.fields, {})
         try:
             form, starts = self._form(), self._initial_values()
-            run = self.page.run
+            run, before = self.page.run, self.page.scene
             await self.page.change_system(
                 lambda system: System(reshape(system.scene, form, starts)),
                 run.restart,
-                lambda before: run.undo.note(before, "structure and initial state", anew=True),
+                lambda system: run.undo.note(system, "structure and initial state", anew=True),
             )
+            if converted := conversions(before, form.links):
+                self.page.notify(converted)
         except InputError as error:
             named = (name for name in self.fields if f"{error.field}.".startswith(f"{name}."))
             refusals = {next(named, error.field): f"must be {error.allowed}"}
@@ -122,16 +119,6 @@ class StructurePanel:
         texts = {key: self._text(key) for key in self._starts}
         given = {key: text for key, text in texts.items() if not text.startswith(LIST)}
         return {key: _parse_value(text, key) for key, text in given.items()}
-
-    async def _upload(self, content: bytes) -> None:
-        try:
-            await self.page.run_scene(await asyncio.to_thread(scene_from_bytes, content))
-        except InputError as error:
-            self.page.notify(str(error))
-
-    def _report_rejection(self) -> None:
-        most = f"at most {LARGEST >> 20} MiB"
-        self.page.notify(f"A scene is a file of UTF-8 text that ends in {ENDING}, of {most}")
 
 
 def _style(field: Field) -> Field:

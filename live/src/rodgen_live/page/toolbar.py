@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from contextlib import suppress
 from typing import Any
 
@@ -11,12 +11,14 @@ from nicegui import ui
 from nicegui.events import ValueChangeEventArguments
 
 from rodgen.errors import InputError
+from rodgen.scene.examples import first_sentence
 from rodgen_live.page.elements import Keys
 from rodgen_live.page.fields import IconButton, heading
 from rodgen_live.page.page_run import PageRun
+from rodgen_live.page.scene_file import ENDING, SceneFile
 from rodgen_live.page.shortcuts import SPACE, show_shortcuts
 from rodgen_live.run.live_run import PAUSED, RUNNING, STOPPED, LiveRun
-from rodgen_live.run.scene_edits import SceneFolder
+from rodgen_live.run.scene_edits import LARGEST
 
 SPEEDS = {
     0.001: "0.001 ×",
@@ -35,25 +37,39 @@ ADVICE = ". Reset it, or change a parameter, the method or its step to go on fro
 LOST = ". Reset it: from a state this large, no other value leads on."
 AROUND = "in a loop"  # the state of a run that begins again at the end of its span
 OTHER = ""  # in the list of scenes: what is shown is none of the folder's; no file is called so
-AGAIN = "folder_open"
+AGAIN = "restore_page"
 SKETCH = "/live/sketch/"  # before the name of a scene of the folder: the address of its picture
 # What the list of scenes shows of each; v-if: the scene of the run itself may be no file.
 OPTION = f"""
     <q-item v-bind="props.itemProps" class="rg-scene">
         <img v-if="!props.opt.label.endsWith(' (other)')" alt="" loading="lazy"
             :src="'{SKETCH}' + encodeURIComponent(props.opt.label)">
-        <q-item-label>{{{{ props.opt.label }}}}</q-item-label>
+        <q-item-section>
+            <q-item-label>{{{{ props.opt.label }}}}</q-item-label>
+            <q-item-label caption>{{{{ props.opt.about }}}}</q-item-label>
+        </q-item-section>
     </q-item>
 """
 MOST_COMPARED = 50  # files that the first scene of a page is looked for in
 
 
+class SceneList(ui.select):
+    """List of scenes; about: a sentence on each, by its name."""
+
+    about: Mapping[str, str] = {}
+
+    def _update_options(self) -> None:
+        super()._update_options()
+        for option in self._props["options"]:
+            option["about"] = self.about.get(option["label"], "")
+
+
 class Toolbar:
     """Buttons, keys and the state of the run."""
 
-    def __init__(self, page: PageRun, folder: SceneFolder, turn_shade: Callable[[], object]):
-        """Build the bar; folder: scenes to choose from; turn_shade: from light to dark and back."""
-        self.page, self._folder = page, folder
+    def __init__(self, page: PageRun, turn_shade: Callable[[], object]):
+        """Build the bar; turn_shade: from light to dark and back."""
+        self.page, self._folder = page, page.folder
         self._now: object = None
         self._listing = False  # whether the list of scenes is being brought up to date
         self._keys: dict[str, Callable[[], object]] = {}
@@ -61,11 +77,14 @@ class Toolbar:
         if page.run.files is None:
             first = self._first_file()
             page.run.files = {} if first == OTHER else {first: page.run.undo.file}
+            if first != OTHER:
+                page.run.texts.setdefault(page.run.undo.file, self._folder.text(first))
         with ui.element("header").classes("rg-bar"):
             heading("rodgen", level=1).classes("rg-name")
-            self.scenes = ui.select([], on_change=self._on_select, label="Scene")
+            self.scenes = SceneList([], on_change=self._on_select, label="Scene")
             self.scenes.props("dense outlined popup-content-class=rg-gallery").classes("rg-scenes")
             self.scenes.add_slot("option", OPTION)
+            SceneFile(self._open_file, self._reject_file)
             self.again = IconButton(AGAIN, "Load again", self._load_again)
             self.go = self._control("play_arrow", "Run or pause", " ", self._go)
             self.step = self._control("skip_next", "One step of the method", ".", self._step)
@@ -85,7 +104,8 @@ class Toolbar:
                 _add_live_text("ratio", "× real time", "ratio")
             ui.element("span").classes("rg-lost").props('data-text="connection" role="alert"')
             self._control("dark_mode", "Light or dark", "d", turn_shade)
-            self._control("help_outline", "Keys", "?", self._help).classes("rg-help")
+            self._control("help_outline", "Help and keys", "?", self._help).classes("rg-help")
+        self.about = ui.label().classes("rg-about")
         self.failure = ui.label().classes("rg-failure").props('role="alert"')
         with ui.element("div").classes("rg-rough").props('role="status"') as self.rough:
             self.looking = ui.label()
@@ -175,10 +195,20 @@ class Toolbar:
         }
         other = {OTHER: f"{present} (other)"} if self._scene_file == OTHER else {}
         self._listing = True
+        if names.keys() != self.scenes.about.keys():
+            self.scenes.about = {name: self._about(name) for name in names}
         self.scenes.set_options(names | other, value=self._scene_file)
         self._listing = False
+        text = self.page.run.texts.get(self.page.run.undo.file, "")
+        self.about.set_text(first_sentence(text) or present)
         self.again.rename(f"Load {self._loadable_file} again, as it is in its file", AGAIN)
         self.again.set_enabled(self._loadable_file != OTHER)
+
+    def _about(self, name: str) -> str:
+        """First sentence of a file of the folder."""
+        with suppress(InputError):
+            return first_sentence(self._folder.text(name))
+        return ""
 
     def _on_select(self, event: ValueChangeEventArguments[Any]) -> None:
         """Load the scene that was chosen in the list. The list is compared with the run at once: by
@@ -189,11 +219,21 @@ class Toolbar:
     async def _load_again(self) -> None:
         await self._load(self._loadable_file)
 
+    async def _open_file(self, text: str) -> None:
+        """Load the scene of a file that was chosen in the browser."""
+        try:
+            await self.page.run_text(text)
+        except InputError as error:
+            self.page.notify(str(error))
+
+    def _reject_file(self) -> None:
+        most = f"at most {LARGEST >> 20} MiB"
+        self.page.notify(f"A scene is a file of UTF-8 text that ends in {ENDING}, of {most}")
+
     async def _load(self, name: str) -> None:
         """Load the scene of a file; if that fails, the present one stays, in the list too."""
         try:
-            scene = self._folder.scene(name)
-            await self.page.run_scene(scene)
+            scene = await self.page.run_text(self._folder.text(name))
             before = {one: of for one, of in (self.page.run.files or {}).items() if one != name}
             self.page.run.files = {**before, name: scene}
         except InputError as error:

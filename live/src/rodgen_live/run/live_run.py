@@ -41,7 +41,8 @@ class LiveRun(RunThread, PullMixin):
     `submit`. shown: the present sample; past: the earlier one that the page looks back at, or None.
     strict: whether tolerances are kept even where real time is missed. begun: how many times it has
     begun at a start; taken: how many systems it has run so far; files: the scenes that came from
-    files, by their names, the last one last, which a page notes. told: called in that thread when
+    files, by their names, the last one last, which a page notes; texts: of scenes that were read
+    from texts. told: called in that thread when
     the status, the scene or the plots have changed.
     """
 
@@ -54,12 +55,13 @@ class LiveRun(RunThread, PullMixin):
         self._numbers, self.greeted = itertools.count(1), False  # whether a page has shown it
         self.pace, self.taken, self.begun = Pace(), 0, 0
         self.files: dict[str, Scene] | None = None
+        self.texts: dict[Scene, str] = {}
         self.goes_round = False
         self.past: Chunk | None = None
         system = System.of(system)
         self.undo = Undo(system.scene)
         self.strict = False
-        self.critical = CriticalSearch(self.submit, self.page.invalidate)
+        self.critical = CriticalSearch(self.submit, self._notify_page)
         self.switch_to(system)
         self.start()
 

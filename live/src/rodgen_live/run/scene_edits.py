@@ -29,11 +29,14 @@ from rodgen.scene import Scene
 from rodgen.scene.keys import set_values
 from rodgen.scene.literals import literals, number_parameter
 from rodgen.scene.load_tables import FinFactor
+from rodgen.scene.mesh import mesh_dependent_values, refined_tables
 from rodgen.scene.plain_tables import get_at, parse_toml
+from rodgen.scene.scene_files import read_table_files
 
-LARGEST = 2**20  # bytes of a scene, unpacked
+LARGEST = 2**20  # bytes of a scene that comes from a browser
 MOST_SCENES = 500  # of a folder
 MOST_LISTED = 12  # of the numbers of a list or a text that can be moved one by one
+ROUNDING = 1e-12  # of the length
 PI = 3.141592653589793
 SHAPES = ("phi", "omega")  # initial values of which each link may have its own
 
@@ -110,11 +113,17 @@ def groups_of(scene: Scene) -> Iterator[FieldGroup]:
     if scene.foundation is not None:
         yield FieldGroup("foundation", scene.foundation, TERMS["foundation"].given)
     for at, support in enumerate(scene.supports):
-        rows, to = TERMS["supports"].given, {"to": [*scene.anchors.fixed_point(support)]}
+        point = [_without_rounding(x, scene) for x in scene.anchors.fixed_point(support)]
+        rows, to = TERMS["supports"].given, {"to": point}
         yield FieldGroup(f"supports.{at}", support, rows, f" of support {at}", to)
     for name, state in scene.states.items():
         yield FieldGroup(f"states.{name}", state, STATE, f" of {name}")
     yield FieldGroup("parameters", scene.numbers, map(number_parameter, scene.numbers))
+
+
+def _without_rounding(x: float, scene: Scene) -> float:
+    """A place [m] without what rounding makes of zero."""
+    return 0.0 if abs(x) < ROUNDING * scene.rod.length else x
 
 
 def fields_of(scene: Scene) -> Iterator[SceneField]:
@@ -208,12 +217,13 @@ def reshape(scene: Scene, form: StructureForm, starts: Mapping[str, Any]) -> Sce
 
     Left out are values that the form has no place for: the clamp's angle, the position of a rod
     that is held, lists of as many values as the links were. Stiffness and mass of every joint or
-    link are interpolated between the former ones.
+    link are interpolated between the former ones; what else depends on the number of links is
+    converted, as by `Scene.with_links` (see `conversions`).
     """
-    table = scene.to_dict()
+    table = refined_tables(scene, form.links if form.links > 0 else scene.rod.links)
     rod = table["rod"]
     for key, count in (("bending_stiffness", form.links + 1), ("mass_per_length", form.links)):
-        if isinstance(rod.get(key), list) and form.links > 0:
+        if isinstance(rod.get(key), list):
             rod[key] = _resample(rod[key], count)
     rod |= {"links": form.links, "boundary": form.boundary, "inertia": form.inertia}
     other = (form.links, form.boundary) != (scene.rod.links, scene.rod.boundary)
@@ -236,6 +246,19 @@ def reshape(scene: Scene, form: StructureForm, starts: Mapping[str, Any]) -> Sce
     return Scene.from_dict(table)
 
 
+def conversions(scene: Scene, links: int) -> str:
+    """Say what of a scene is converted for another number of links; empty for nothing."""
+    ratio = links / scene.rod.links
+    changes = [
+        f"{one.field} {one.value:.6g} to {one.after_refinement(ratio):.6g}"
+        for one in mesh_dependent_values(scene)
+    ]
+    changes += ["rod.spring"] * (scene.rod.spring is not None)
+    if ratio == 1.0 or not changes:
+        return ""
+    return f"Converted, so that {links} links are the same rod: {', '.join(changes)}."
+
+
 def _resample(values: list[float], count: int) -> list[float]:
     """Interpolate evenly spaced values linearly to another number of them."""
     wanted, known = (np.linspace(0.0, 1.0, size) for size in (count, len(values)))
@@ -255,13 +278,6 @@ def _switch_term(tables: dict[str, Any], term: Term, on: bool, other: bool) -> N
             given.pop(one.key)
 
 
-def scene_from_bytes(text: bytes) -> Scene:
-    """Read a scene from the bytes of a file. Raises InputError."""
-    if len(text) > LARGEST:
-        raise InputError("scene", f"{len(text)} bytes", f"at most {LARGEST} bytes")
-    return Scene.from_dict(parse_toml(text, "this file"))
-
-
 class SceneFolder:
     """Scenes of a folder; nothing outside of it, and nothing but its own files, is opened."""
 
@@ -278,9 +294,21 @@ class SceneFolder:
 
     def scene(self, name: str) -> Scene:
         """Read one of the scenes. Raises InputError."""
+        return self.parse(self.text(name))
+
+    def text(self, name: str) -> str:
+        """Text of one of the scenes. Raises InputError."""
         if name not in self.names():
             raise InputError("scene", name, f"one of the folder: {', '.join(self.names())}")
-        return Scene.from_toml(self._path / f"{name}.toml")
+        try:
+            return (self._path / f"{name}.toml").read_text("utf-8")
+        except (OSError, ValueError) as error:
+            raise InputError("scene", name, f"a file of UTF-8 text ({error})") from None
+
+    def parse(self, text: str) -> Scene:
+        """Make the scene of a text, as of a file of the folder. Raises InputError."""
+        table = parse_toml(text.encode(), "this text")
+        return Scene.from_dict(read_table_files(table, self._path))
 
     def _inside(self, path: Path) -> bool:
         """Whether a file is in the folder itself, not a link that leads out of it."""

@@ -1,0 +1,90 @@
+"""Text of a scene: edited where values differ, so that comments stay; the line of a refusal."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import MutableMapping
+from contextlib import suppress
+from typing import Any, TypeGuard
+
+import tomlkit
+from tomlkit.exceptions import TOMLKitError
+
+from rodgen.errors import InputError
+from rodgen.scene import Scene
+
+MARK = "the line of a refusal"
+AT_LINE = re.compile(r"at line (\d+)")  # as the parser names the place of what is no TOML
+PART = re.compile(r"[^.\[\]]+")  # of a dotted name such as bodies[1].mass
+
+
+def edited_text(text: str, before: Scene, after: Scene) -> str:
+    """Edit the text of a scene to that of another: keys whose values are the same stay as they are
+    written. What comes of it is still to be read: text may name a table that another scene lacks.
+
+    before: the scene of the text.
+    """
+    try:
+        document = tomlkit.parse(text)
+        _edit(document, before.to_dict(), after.to_dict())
+        return tomlkit.dumps(document).rstrip() + "\n"
+    except (TOMLKitError, LookupError, TypeError, AttributeError):  # a form that it cannot edit
+        return after.to_toml()
+
+
+def _edit(table: MutableMapping[str, Any], before: dict[str, Any], after: dict[str, Any]) -> None:
+    """Edit a table of a text."""
+    for key in before.keys() - after.keys():
+        table.pop(key, None)
+    for key, new in after.items():
+        old, written = before.get(key), table.get(key)
+        if new == old:
+            continue
+        if new in ([], {}):
+            table.pop(key, None)
+        elif isinstance(new, dict):
+            known = old if isinstance(old, dict) else {}
+            if isinstance(written, MutableMapping):
+                _edit(written, known, new)
+            else:
+                table[key] = _made_table(known, new)
+        elif _is_tables(new) and _is_tables(old) and isinstance(written, list):
+            for inner, *both in zip(written, old, new, strict=False):
+                _edit(inner, *both)
+            del written[len(new) :]
+            for one in new[len(old) :]:
+                written.append(_made_table({}, one))
+        else:
+            table[key] = [_made_table({}, one) for one in new] if _is_tables(new) else new
+
+
+def _is_tables(value: Any) -> TypeGuard[list[dict[str, Any]]]:
+    return isinstance(value, list) and bool(value) and all(isinstance(one, dict) for one in value)
+
+
+def _made_table(before: dict[str, Any], after: dict[str, Any]) -> tomlkit.items.Table:
+    """Make a table of what differs, with a blank line below it."""
+    made = tomlkit.table()
+    _edit(made, before, after)
+    return made.add(tomlkit.nl())
+
+
+def refused_line(text: str, error: InputError) -> int | None:
+    """Line of a text that an error is about, from 1 on: of its key, or of the innermost table that
+    is there; None where there is none."""
+    if found := AT_LINE.search(str(error)):
+        return int(found[1])
+    try:
+        places: list[Any] = [document := tomlkit.parse(text)]
+    except TOMLKitError:
+        return None
+    with suppress(LookupError, TypeError, ValueError):  # the text has it no further
+        for part in PART.findall(error.field):
+            outer = places[-1]
+            places.append(outer[int(part) if isinstance(outer, list) else part])
+    for place in places[:0:-1]:
+        with suppress(AttributeError, TypeError, ValueError):  # of what can have no comment
+            place.comment(MARK)
+        if MARK in (marked := tomlkit.dumps(document)):
+            return marked[: marked.index(MARK)].count("\n") + 1
+    return None
