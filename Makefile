@@ -1,5 +1,5 @@
 # make demo     the main job, end to end
-# make view [SCENE=scenes/missile.toml]     the live view, in a browser
+# make view [SCENE=scenes/flutter.toml]     the live view, in a browser
 # make derive N=20 [BOUNDARY=free] [INERTIA=uniform] [TERMS=all] [TARGET=numpy] [FORM=chain]
 #             [PARTS=rhs,jac] [STEPS=1] [EXPLICIT=1]
 # make test     the tests of every day
@@ -48,7 +48,7 @@ TERMS ?= all
 TARGET ?= numpy
 FORM ?= chain
 PARTS ?= all
-SCENE ?= scenes/missile.toml
+SCENE ?= scenes/flutter.toml
 
 .PHONY: demo view derive test check check-clean check-all bench report docs lock clean
 

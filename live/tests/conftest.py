@@ -134,7 +134,7 @@ def start(*arguments: object) -> Server:
     """`rodgen view` with these arguments on a port that was free, once it has told its address."""
     options = ("--port", "0", "--no-open", "--paused")
     process = subprocess.Popen(
-        [sys.executable, "-m", "rodgen", "view", *map(str, arguments), *options],
+        [sys.executable, "-m", "rodgen", "view", *options, *map(str, arguments)],
         stdout=subprocess.PIPE,
         stderr=subprocess.PIPE,
         text=True,

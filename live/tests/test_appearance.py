@@ -70,12 +70,12 @@ def test_page_shows_a_rod(serve: Any, blank: View, pytestconfig: pytest.Config) 
 
 def states(view: View) -> Iterator[str]:
     """Brings the page from one state to the next, and tells their names."""
-    for tab in ("Values", "Parameters", "Scene", "Save"):
+    for tab in ("Values", "Parameters", "Scene", "Text", "Save"):
         view.tab(tab)
         yield tab
     view.page.get_by_role("switch", name="pull").click()
     yield "pulls"
-    for button in ("What is shown", "Kick", "Pull", "Add plot", "Keys"):
+    for button in ("What is shown", "Kick", "Pull", "Add plot", "Help"):
         if view.button(button).is_visible():  # a phone has no keys
             dialog = view.dialog(button)
             yield button

@@ -49,9 +49,11 @@ class PlotsPanel:
     def __init__(self, page: PageRun):
         self.page = page
         with ui.element("section").classes("rg-plots").props('aria-label="Plots"'):
-            ui.button("Add plot", icon="add_chart", on_click=self._open_dialog).props(
-                "flat dense no-caps"
-            )
+            for label, icon, act in (
+                ("Add plot", "add_chart", self._open_dialog),
+                ("Flutter", "waves", self._add_flutter_plots),
+            ):
+                ui.button(label, icon=icon, on_click=act).props("flat dense no-caps")
             self.grid = Plots()
         self.grid.on_remove(self._remove)
         self.grid.on_move(self._arrange)
@@ -77,6 +79,18 @@ class PlotsPanel:
     async def add(self, choice: dict[str, Any]) -> None:
         """Add a plot. Raises InputError."""
         await self.page.call(lambda: self.page.run.add_plot(choice))
+
+    async def _add_flutter_plots(self) -> None:
+        """Add the plots that show flutter, before all others."""
+        run = self.page.run
+
+        def add() -> None:
+            others = list(run.plots)
+            for choice in flutter_plots(run.catalogue):
+                run.add_plot(choice)
+            run.arrange_plots([*(name for name in run.plots if name not in others), *others])
+
+        await self.page.call(add)
 
     def _remove(self, name: str) -> None:
         self.page.submit(lambda: self.page.run.remove_plot(name))
@@ -179,6 +193,20 @@ class PlotDialog:
     def _refuse(self, texts: dict[str, str]) -> None:
         """Show refusals beside their fields, and below them those without a field."""
         self.refused.set_text(show_refusals(self.fields, texts))
+
+
+def flutter_plots(catalogue: Catalogue) -> Iterator[dict[str, Any]]:
+    """Plots that show flutter: the angle of the tail against the other end over time, over its
+    rate, and its spectrum."""
+    angle, rate = (_against_first(catalogue.kinds[kind]) for kind in ("phi", "omega"))
+    yield {"kind": "time", "y": [angle], "window": 10.0, "title": "tail"}
+    yield {"kind": "phase", "x": angle, "y": [rate], "window": 10.0, "title": "phase plot"}
+    yield {"kind": "spectrum", "y": [angle], "window": 20.0, "title": "spectrum of the tail"}
+
+
+def _against_first(names: list[str]) -> str:
+    """Last of some quantities less the first of them."""
+    return f"{names[-1]} - {names[0]}" if len(names) > 1 else names[0]
 
 
 def first_plots(catalogue: Catalogue) -> Iterator[dict[str, Any]]:

@@ -1,4 +1,4 @@
-"""Dialog that lists the keys."""
+"""Dialog that says what to do, and lists the keys."""
 
 from __future__ import annotations
 
@@ -9,6 +9,11 @@ from nicegui import ui
 from rodgen_live.page.fields import dialog
 
 SPACE = "space"
+TO_DO = (
+    "Drag the slider of a load past the mark at its critical value, and watch the rod.",
+    "Press Flutter below the rod to plot its tail: over time, as a phase plot, as a spectrum.",
+    "Choose another scene from the list, or write one under Text; ? shows this again.",
+)
 # What takes keys while it has the focus: static/rod.js, static/timeline.js,
 # static/chart_pointer.js.
 IN_FOCUS = {
@@ -35,7 +40,9 @@ IN_FOCUS = {
 
 def show_shortcuts(everywhere: Mapping[str, str]) -> None:
     """Open a dialog of keys; everywhere: what keys do that the whole page takes, by their names."""
-    with dialog("Keys"):
+    with dialog("What to do, and keys"):
+        for line in TO_DO:
+            ui.label(line)
         for title, keys in {"The page": everywhere, **IN_FOCUS}.items():
             with ui.element("table").classes("rg-keys"):
                 with ui.element("caption"):

@@ -73,7 +73,8 @@ class Knob:
     def __init__(self, page: PageRun, field: SceneField):
         self.page, self.field, self._scale = page, field, slider_scale(field)
         self._waiting: float | None = None  # where the slider is by now
-        self._critical: float | None = None  # that a sweep has found
+        self._swept: float | None = None  # critical value that a sweep has found
+        self._critical: float | None = None  # that of the run
         self.sweep: SweepPanel | None = None
         text = field_text(field)
         with ui.element("div").classes("rg-knob") as self._box:
@@ -98,11 +99,16 @@ class Knob:
             return
         with self._box:
             low, high = self.field.slider_range(self._scale)
-            self.sweep = SweepPanel(self.page, self.field, (low, high), self._mark)
+            self.sweep = SweepPanel(self.page, self.field, (low, high), self._mark_swept)
 
-    def _mark(self, critical: float | None) -> None:
+    def _mark_swept(self, critical: float | None) -> None:
+        """Mark what a sweep has found."""
+        self._swept = critical
+        self._mark()
+
+    def _mark(self) -> None:
         """Mark the value on the slider at which stability changes, if it is in its range."""
-        self._critical = critical
+        critical = self._critical if self._swept is None else self._swept
         low, high = self.field.slider_range(self._scale)
         marks = []
         if critical is not None and low <= critical <= high:
@@ -158,7 +164,7 @@ class Knob:
         ):
             self._scale = abs(value)
             self.slider.set_value(self._position(value))
-            self._mark(self._critical)
+            self._mark()
 
     async def _put_text(self, text: str) -> None:
         try:
@@ -176,9 +182,13 @@ class Knob:
         if self.slider is not None:
             self.slider.props(f'aria-valuetext="{format_number(value)} {self.field.unit}"')
 
-    def refresh(self, field: SceneField, filed: SceneField | None) -> None:
-        """Show the value that the scene has now; filed: that of its file, which may have none."""
+    def refresh(self, field: SceneField, filed: SceneField | None, critical: float | None) -> None:
+        """Show the value that the scene has now; filed: that of its file, which may have none;
+        critical: the value at which the rod becomes unstable, if it is known."""
         before, self.field = self.field, field
+        if critical != self._critical:
+            self._critical = critical
+            self._mark()
         if self.sweep is not None:
             self.sweep.refresh(field)
         self.entry.show_file_value(field_text(field), field_text(filed) if filed else None)
@@ -194,7 +204,7 @@ class Knob:
         low, high = field.slider_range(self._scale)
         if not low <= field.value <= high:
             self._scale = slider_scale(field)
-            self._mark(self._critical)
+            self._mark()
         self._set_aria_value(field.value)
         place = self._position(field.value)
         if self._waiting is None and self.slider.value != place:
@@ -264,8 +274,10 @@ class ParametersPanel:
             with self._box:
                 self._knobs = {key: Knob(self.page, field) for key, field in fields.items()}
         filed = {field.key: field for field in fields_of(self.page.run.undo.file)}
+        key_of_load, critical = self.page.run.critical.mark or ("", 0.0)
         for key, field in fields.items():
-            self._knobs[key].refresh(field, filed.get(key))
+            mark = critical if key == key_of_load else None
+            self._knobs[key].refresh(field, filed.get(key), mark)
         settings = scene.integrate
         if self.method.value != settings.method:
             self.method.set_value(settings.method)

@@ -7,6 +7,7 @@ from collections.abc import Callable
 
 from rodgen.model.terms import TERMS
 from rodgen.system import System
+from rodgen_live.run.scene_edits import fields_of
 from rodgen_live.run.worker_process import ASIDE, Answer, PendingRequest
 
 MOST_LINKS = 200  # beyond, it takes seconds
@@ -16,8 +17,10 @@ COMPUTING = "computing"
 
 class CriticalSearch:
     """Critical force of a run's system. value: the force [N] for the system looked at last, or in
-    words why there is none, or None where no force follows the rod. do: has work done in the thread
-    that all else is called in; done: called there when the value has come."""
+    words why there is none, or None where no force follows the rod; mark: the key of the number
+    that is the size of that force, and the value of it that makes the force critical, while another
+    one is computed that of the system before. do: has work done in the thread that all else is
+    called in; done: called there when the value has come."""
 
     def __init__(
         self,
@@ -30,14 +33,16 @@ class CriticalSearch:
         self._errand: PendingRequest | None = None
         self._since = 0.0
         self.value: float | str | None = None
+        self.mark: tuple[str, float] | None = None
 
     def restart(self, system: System) -> None:
         """Schedule the computation for another system, if that has a critical force."""
         self.cancel()
         following = [TERMS[name] for name in system.load_terms if TERMS[name].follows]
         if not any(term.has_size for term in following[:1]):
-            self.value = None
+            self.value = self.mark = None
         elif system.structure.n_links > MOST_LINKS:
+            self.mark = None
             self.value = f"not computed: more than {MOST_LINKS} links"
         else:
             self.value, self._system, self._since = COMPUTING, system, self._clock()
@@ -64,4 +69,17 @@ class CriticalSearch:
     def _receive(self, system: System, answer: Answer) -> None:
         if system is self._system and (answer.refused or answer.value is not None):
             self.value = answer.refused or answer.value
+            self.mark = None if answer.refused else critical_number(system, answer.value)
             self._done()
+
+
+def critical_number(system: System, critical: float) -> tuple[str, float] | None:
+    """Key and critical value of the number that is the size of the first follower force; of a force
+    that changes with time, by its size at the end of the span."""
+    scene = system.scene
+    (row,) = TERMS[scene.loads.follower_loads[0]].size_parameters
+    if row.name not in scene.expressions:
+        return scene.key_of(row.name), critical
+    size = next((one for one in fields_of(scene) if one.of.name == row.name and one.value), None)
+    force = system.at(t=system.settings.span[1]).scene.parameters[row.name]
+    return (size.key, critical * (size.value or 0.0) / force) if size and force else None
