@@ -19,7 +19,7 @@ from rodgen_live.page.page_run import PageRun
 from rodgen_live.pull import Pull
 from rodgen_live.run import live_run, pulling
 from rodgen_live.run.live_run import LiveRun
-from rodgen_live.run.scene_edits import SceneFolder
+from rodgen_live.run.scene_text import SceneFolder
 
 MASS, GRAVITY, LINKS = "rod.mass", "loads.gravity.g", "rod.links"
 

@@ -15,14 +15,13 @@ from rodgen.scene import Scene
 from rodgen.system import System
 from rodgen_live.run.critical_search import critical_number
 from rodgen_live.run.scene_edits import (
-    SceneFolder,
     StructureForm,
     conversions,
     fields_of,
     reshape,
     structure_form,
 )
-from rodgen_live.run.scene_text import edited_text, refused_line
+from rodgen_live.run.scene_text import SceneFolder, edited_text, refused_line
 
 FOLDER = SceneFolder(SCENES)
 

@@ -28,7 +28,6 @@ from rodgen_live.run.link import Link, RunSample, apply_link, make_link
 from rodgen_live.run.live_run import LiveRun
 from rodgen_live.run.scene_edits import (
     LARGEST,
-    SceneFolder,
     StructureForm,
     fields_of,
     initial_labels,
@@ -36,6 +35,7 @@ from rodgen_live.run.scene_edits import (
     slider_scale,
     structure_form,
 )
+from rodgen_live.run.scene_text import SceneFolder
 from tests.palette import ENDS, ROD
 from tests.told import refused
 

@@ -11,7 +11,7 @@ import pytest
 
 from live.tests.conftest import SCENE
 from rodgen.errors import InputError
-from rodgen_live.page.page_run import Sessions
+from rodgen_live.page.sessions import Sessions
 from rodgen_live.run.live_run import LiveRun
 from rodgen_live.run.run_thread import Pace
 

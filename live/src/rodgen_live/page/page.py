@@ -17,9 +17,10 @@ from rodgen.scene import Scene
 from rodgen_live.page.downloads import DownloadsPanel
 from rodgen_live.page.elements import Aria, Channel, style_sheet
 from rodgen_live.page.module_builder import BuildProgress, ModuleBuilder
-from rodgen_live.page.page_run import PANEL, VIEW, PageRun, Panel, Sessions, notify
+from rodgen_live.page.page_run import PANEL, VIEW, PageRun, Panel, notify
 from rodgen_live.page.plots import PlotsPanel
 from rodgen_live.page.rod_view import VIEWS, RodPanel, first_view
+from rodgen_live.page.sessions import Sessions
 from rodgen_live.page.structure_panel import StructurePanel
 from rodgen_live.page.text_panel import TextPanel
 from rodgen_live.page.timeline import TimeLine
@@ -27,7 +28,7 @@ from rodgen_live.page.toolbar import Toolbar
 from rodgen_live.page.values_panel import ParametersPanel, ValuesPanel
 from rodgen_live.run.link import Link, apply_link
 from rodgen_live.run.live_run import LiveRun
-from rodgen_live.run.scene_edits import SceneFolder
+from rodgen_live.run.scene_text import SceneFolder
 
 ADDRESS = "/live/channel/"  # of the WebSocket of a run, before its name
 RUN, PACKED = "run", "packed"  # what a tab of the browser remembers, beside VIEW and PANEL

@@ -30,7 +30,8 @@ class SceneFile(Element, component=STATIC / "scene_file.js"):
         self.on("piece", self._add_piece)
         self.on("refused", refused)
         pick = f'() => runMethod({self.id}, "pick", [])'
-        IconButton("folder_open", "Open a file").on("click", js_handler=pick)
+        button = IconButton("folder_open", "Open a file").on("click", js_handler=pick)
+        button.classes("rg-open")
 
     async def _add_piece(self, event: GenericEventArguments) -> None:
         self._pieces.append(str(event.args["text"]))

@@ -29,12 +29,12 @@ from rodgen_live.page.elements import STATIC
 from rodgen_live.page.module_builder import ModuleBuilder
 from rodgen_live.page.nicegui_assets import replacements
 from rodgen_live.page.page import ADDRESS, Page
-from rodgen_live.page.page_run import Sessions
+from rodgen_live.page.sessions import Sessions
 from rodgen_live.page.sketch import sketch
 from rodgen_live.page.toolbar import SKETCH
 from rodgen_live.page.unreadable_messages import UnreadableFilter
 from rodgen_live.run.live_run import LiveRun
-from rodgen_live.run.scene_edits import SceneFolder
+from rodgen_live.run.scene_text import SceneFolder
 
 LOOPBACK = "127.0.0.1"
 EVERYWHERE = {"0.0.0.0", "::"}

@@ -157,7 +157,7 @@ class LiveRun(RunThread, PullMixin):
         self._transfer_plots(catalogue)
         self.model, self.live, self.catalogue = model, live, catalogue
         self.taken += 1
-        self.strict = False
+        self.strict, self.critical.mark = False, None
         self.page.reset_texts()
         self._begin()
 

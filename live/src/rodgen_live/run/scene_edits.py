@@ -4,13 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
-from pathlib import Path
 from types import MappingProxyType
 from typing import Any, NamedTuple
 
 import numpy as np
 
-from rodgen.errors import InputError
 from rodgen.model.rod import (
     AT_IN_MODULE,
     BODY,
@@ -30,11 +28,9 @@ from rodgen.scene.keys import set_values
 from rodgen.scene.literals import literals, number_parameter
 from rodgen.scene.load_tables import FinFactor
 from rodgen.scene.mesh import mesh_dependent_values, refined_tables
-from rodgen.scene.plain_tables import get_at, parse_toml
-from rodgen.scene.scene_files import read_table_files
+from rodgen.scene.plain_tables import get_at
 
 LARGEST = 2**20  # bytes of a scene that comes from a browser
-MOST_SCENES = 500  # of a folder
 MOST_LISTED = 12  # of the numbers of a list or a text that can be moved one by one
 ROUNDING = 1e-12  # of the length
 PI = 3.141592653589793
@@ -276,40 +272,3 @@ def _switch_term(tables: dict[str, Any], term: Term, on: bool, other: bool) -> N
     for one in () if isinstance(given, list) else term.parameters:
         if other and one.is_array and isinstance(given.get(one.key), list):
             given.pop(one.key)
-
-
-class SceneFolder:
-    """Scenes of a folder; nothing outside of it, and nothing but its own files, is opened."""
-
-    def __init__(self, path: Path):
-        self._path = path.resolve()
-
-    def names(self) -> list[str]:
-        """File names of the scenes, without the ending."""
-        try:
-            found = sorted(p.stem for p in self._path.glob("*.toml") if self._inside(p))
-        except OSError:
-            return []
-        return found[:MOST_SCENES]
-
-    def scene(self, name: str) -> Scene:
-        """Read one of the scenes. Raises InputError."""
-        return self.parse(self.text(name))
-
-    def text(self, name: str) -> str:
-        """Text of one of the scenes. Raises InputError."""
-        if name not in self.names():
-            raise InputError("scene", name, f"one of the folder: {', '.join(self.names())}")
-        try:
-            return (self._path / f"{name}.toml").read_text("utf-8")
-        except (OSError, ValueError) as error:
-            raise InputError("scene", name, f"a file of UTF-8 text ({error})") from None
-
-    def parse(self, text: str) -> Scene:
-        """Make the scene of a text, as of a file of the folder. Raises InputError."""
-        table = parse_toml(text.encode(), "this text")
-        return Scene.from_dict(read_table_files(table, self._path))
-
-    def _inside(self, path: Path) -> bool:
-        """Whether a file is in the folder itself, not a link that leads out of it."""
-        return path.is_file() and path.resolve().parent == self._path

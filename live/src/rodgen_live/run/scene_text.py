@@ -1,10 +1,12 @@
-"""Text of a scene: edited where values differ, so that comments stay; the line of a refusal."""
+"""Texts of scenes: read from a folder, edited where values differ, so that comments stay; the line
+of a refusal."""
 
 from __future__ import annotations
 
 import re
 from collections.abc import MutableMapping
 from contextlib import suppress
+from pathlib import Path
 from typing import Any, TypeGuard
 
 import tomlkit
@@ -12,7 +14,10 @@ from tomlkit.exceptions import TOMLKitError
 
 from rodgen.errors import InputError
 from rodgen.scene import Scene
+from rodgen.scene.plain_tables import parse_toml
+from rodgen.scene.scene_files import read_table_files
 
+MOST_SCENES = 500  # of a folder
 MARK = "the line of a refusal"
 AT_LINE = re.compile(r"at line (\d+)")  # as the parser names the place of what is no TOML
 PART = re.compile(r"[^.\[\]]+")  # of a dotted name such as bodies[1].mass
@@ -88,3 +93,40 @@ def refused_line(text: str, error: InputError) -> int | None:
         if MARK in (marked := tomlkit.dumps(document)):
             return marked[: marked.index(MARK)].count("\n") + 1
     return None
+
+
+class SceneFolder:
+    """Scenes of a folder; nothing outside of it, and nothing but its own files, is opened."""
+
+    def __init__(self, path: Path):
+        self._path = path.resolve()
+
+    def names(self) -> list[str]:
+        """File names of the scenes, without the ending."""
+        try:
+            found = sorted(p.stem for p in self._path.glob("*.toml") if self._inside(p))
+        except OSError:
+            return []
+        return found[:MOST_SCENES]
+
+    def scene(self, name: str) -> Scene:
+        """Read one of the scenes. Raises InputError."""
+        return self.parse(self.text(name))
+
+    def text(self, name: str) -> str:
+        """Text of one of the scenes. Raises InputError."""
+        if name not in self.names():
+            raise InputError("scene", name, f"one of the folder: {', '.join(self.names())}")
+        try:
+            return (self._path / f"{name}.toml").read_text("utf-8")
+        except (OSError, ValueError) as error:
+            raise InputError("scene", name, f"a file of UTF-8 text ({error})") from None
+
+    def parse(self, text: str) -> Scene:
+        """Make the scene of a text, as of a file of the folder. Raises InputError."""
+        table = parse_toml(text.encode(), "this text")
+        return Scene.from_dict(read_table_files(table, self._path))
+
+    def _inside(self, path: Path) -> bool:
+        """Whether a file is in the folder itself, not a link that leads out of it."""
+        return path.is_file() and path.resolve().parent == self._path

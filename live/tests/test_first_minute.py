@@ -1,0 +1,71 @@
+"""What a newcomer does in the browser: see flutter, write a scene."""
+
+from __future__ import annotations
+
+import re
+from typing import Any
+
+import numpy as np
+import pytest
+
+from live.tests.conftest import make
+from live.tests.view import View, expect, until
+from rodgen.scene import Scene
+
+pytestmark = pytest.mark.slow  # in a browser
+SELECTED = "area => area.value.slice(area.selectionStart, area.selectionEnd)"
+
+
+def test_text_of_the_scene_is_edited(view: View) -> None:
+    """A refusal tells its line and selects it; what is applied is what is saved, with comments."""
+    text = view.tab("Text").field("Text of the scene")
+    written = text.input_value()
+    for mass in ("-3.0", "4.0"):
+        text.fill(f"# Mine.\n{written.replace('mass = 3.0', f'mass = {mass}  # kg')}")
+        view.page.get_by_role("button", name="Apply").filter(visible=True).click()
+        if mass == "-3.0":
+            told = view.page.get_by_role("alert").filter(has_text="rod.mass")
+            line = written[: written.index("mass = 3.0")].count("\n") + 2
+            expect(told).to_have_text(re.compile(f"Line {line}: "))
+            until(lambda: text.evaluate(SELECTED), "mass = -3.0  # kg", "not selected")
+    view.shows("mass", 4.0)
+    expect(view.page.get_by_text("Mine.", exact=True)).to_be_visible()
+    saved = view.tab("Save").download(view.button("Scene as TOML")).read_text()
+    assert saved == f"# Mine.\n{written.replace('mass = 3.0', 'mass = 4.0  # kg')}"
+
+
+def test_first_job_of_a_newcomer_takes_four_actions(serve: Any, blank: View) -> None:
+    """See flutter, its phase plot and its spectrum. The list of scenes says what each is."""
+    make(Scene.example("flutter").structure)
+    blank.page.set_viewport_size({"width": 1280, "height": 1000})
+    actions = ["the command"]
+    view = blank.open(serve("--moving").address)
+    told = re.compile("^Raise the thrust beyond 10.7 N")
+    expect(view.page.get_by_text(told)).to_be_visible()
+    expect(view.page.get_by_text("critical 10.71")).to_be_visible()
+
+    actions += ["a drag"]
+    box = view.page.get_by_role("slider", name="follower force P").bounding_box()
+    across, along = box["y"] + box["height"] / 2, box["x"] + box["width"] * np.array([0.66, 0.96])
+    view.page.mouse.move(along[0], across)
+    view.page.mouse.down()
+    view.page.mouse.move(along[1], across, steps=5)
+    view.page.mouse.up()
+    view.sees("number(live.texts.follower_force) > 14")
+
+    actions += ["a button"]
+    view.page.get_by_role("button", name="Flutter", exact=True).click()
+    heads = view.page.get_by_role("heading", level=3)
+    expect(heads).to_have_count(5)
+    assert heads.all_inner_texts()[:3] == ["tail", "phase plot", "spectrum of the tail"]
+    for name in ("tail", "phase plot"):
+        expect(view.page.get_by_role("heading", name=name, exact=True)).to_be_in_viewport()
+    until(lambda: abs(view.csv(0)[1][:, 1]).max(), lambda angle: angle > 0.5, "no flutter")
+
+    actions += ["scrolling"]
+    heads.filter(has_text="spectrum").scroll_into_view_if_needed()
+    assert len(actions) <= 4
+    view.page.get_by_role("combobox", name="Scene").click()
+    listed = view.page.get_by_role("listbox")
+    assert listed.get_by_text("follows its direction").count() == 1
+    assert listed.evaluate("list => { list.scrollTop = 300; return list.scrollTop }") == 300
