@@ -31,7 +31,7 @@ class Stepped:
         self.live = Live(scene, self.model, scene.integrate.output_every)
         self.plots: dict[str, Any] = {}
         self.marks, self.past, self.ghost, self.keeps = ChangeMarks(), None, None, False
-        self.begun, self.goes_round = 0, False
+        self.begun, self.repeats = 0, False
         self.page = PageState()
         self.begin()
 

@@ -26,15 +26,20 @@ def past(run: LiveRun, t: float) -> None:
 
 def test_run_goes_round_until_somebody_changes_it(run: LiveRun) -> None:
     """It begins again where the span of its scene is over, goes on beyond that once kicked, and
-    stands once it is paused."""
+    round again after a reset, unless the loop was switched off; it stands once it is paused."""
     assert run.status == PAUSED
-    does(run, lambda: run.switch_to(SCENE.replace({"integrate.span": [0.0, 0.05]})), run.loop)
+    does(run, lambda: run.switch_to(SCENE.replace({"integrate.span": [0.0, 0.05]})), run.resume)
     until(lambda: run.begun, lambda count: count > 3, "it does not begin again")
     assert run.status == RUNNING
     does(run, lambda: run.kick(0, 0.5, (0.1, 0.0)))
     begun = run.begun
     past(run, 0.2)
-    assert run.begun == begun
+    assert (run.begun, run.goes_round) == (begun, False)
+    does(run, run.restart)
+    assert not run.repeats
+    until(lambda: run.begun, lambda count: count > begun + 3, "it does not begin again")
+    does(run, lambda: run.loop(False), run.restart)
+    past(run, 0.2)
     does(run, run.pause)
     t = run.shown.t[-1]
     does(run, lambda: None)
@@ -108,11 +113,11 @@ def test_tolerance_for_looking_is_taken_where_real_time_is_missed(run: LiveRun) 
         settings = run.live.settings
         return settings.method, settings.rtol, settings.atol
 
-    does(run, run.loop, lambda: run.roughen(True))
+    does(run, run.resume, lambda: run.roughen(True))
     assert used() == ("gauss", 1e-5, 1e-8)
     does(run, lambda: run.roughen(False))
     run.strict, run.pace = False, Missed()
-    does(run, run.loop)
+    does(run, run.resume)
     until(lambda: run.live.rough, len(FOR_LOOKING), "it is not taken")
     does(run, lambda: None)  # the frame is over
     assert run.goes_round

@@ -103,7 +103,7 @@ class Page:
         tab[RUN], tab[PACKED] = name, packed
         page = self._build(name, run, tab)
         if self._moves and not run.greeted:
-            page.submit(run.loop)
+            page.submit(run.resume)
         run.greeted = True
 
     async def _open_run(

@@ -1,4 +1,4 @@
-"""The bar at the top: run, pause, step, reset, speed, and the state of the run."""
+"""The bar at the top: run, pause, step, reset, loop, speed, and the state of the run."""
 
 from __future__ import annotations
 
@@ -89,6 +89,7 @@ class Toolbar:
             self.go = self._control("play_arrow", "Run or pause", " ", self._go)
             self.step = self._control("skip_next", "One step of the method", ".", self._step)
             self._control("replay", "Reset to the initial state", "r", self._reset)
+            self.around = self._control("loop", "Loop over the span", "l", self._loop)
             self.undo = self._control("undo", "Undo", "Ctrl+z", self._undo)
             self.redo = self._control("redo", "Redo", "Ctrl+Shift+z", self._redo)
             self.speed = ui.select(
@@ -143,6 +144,7 @@ class Toolbar:
         self.go.rename(*(("Pause (space)", "pause") if running else ("Run (space)", "play_arrow")))
         for button in (self.go, self.step):
             button.set_enabled(not stopped)
+        self.around.props(f"aria-pressed={'true' if run.goes_round else 'false'}")
         self.state.set_text(AROUND if running and run.goes_round else run.status)
         self.failure.set_text(_stop_message(run) if stopped else "")
         self.failure.set_visibility(stopped)
@@ -259,6 +261,10 @@ class Toolbar:
 
     def _restore_tolerances(self) -> None:
         self.page.submit(lambda: self.page.run.roughen(False))
+
+    def _loop(self) -> None:
+        run = self.page.run
+        self.page.submit(lambda: run.loop(not run.goes_round))
 
     def _reset(self) -> None:
         self.page.submit(self.page.run.restart)

@@ -39,7 +39,9 @@ class LiveRun(RunThread, PullMixin):
 
     Everything but `submit`, `page` and `close` is for the run's own thread: others hand it work by
     `submit`. shown: the present sample; past: the earlier one that the page looks back at, or None.
-    strict: whether tolerances are kept even where real time is missed. begun: how many times it has
+    strict: whether tolerances are kept even where real time is missed. loops: whether a run begins
+    again at the end of its span; goes_round: whether this one does, which a change or a kick ends;
+    repeats: whether it is like the one before. begun: how many times it has
     begun at a start; taken: how many systems it has run so far; files: the scenes that came from
     files, by their names, the last one last, which a page notes; texts: of scenes that were read
     from texts. told: called in that thread when
@@ -56,7 +58,8 @@ class LiveRun(RunThread, PullMixin):
         self.pace, self.taken, self.begun = Pace(), 0, 0
         self.files: dict[str, Scene] | None = None
         self.texts: dict[Scene, str] = {}
-        self.goes_round = False
+        self.loops = self.goes_round = True
+        self.repeats = False
         self.past: Chunk | None = None
         system = System.of(system)
         self.undo = Undo(system.scene)
@@ -173,10 +176,12 @@ class LiveRun(RunThread, PullMixin):
         self.live.go_back(sample, self.live.p, given)
         self.live.energy_start, self.greeted = start, True
         self._begin()
+        self.goes_round = False
 
     def _begin(self) -> None:
         live = self.live
         self.begun += 1
+        self.repeats, self.goes_round = self.goes_round, self.loops
         self.store = SampleStore(live.states, live.works, live.energy_start)
         self.store.set_parameters(live.p, live.given)
         self.marks, self.past = ChangeMarks(), None
@@ -222,15 +227,13 @@ class LiveRun(RunThread, PullMixin):
             self._restart_clock()
             self._notify_page()
 
-    def loop(self) -> None:
-        """Run over the span of the scene again and again, until somebody pauses or changes the
-        run."""
-        self.goes_round = True
-        self.resume()
+    def loop(self, on: bool) -> None:
+        """Begin this run and those after it again at the end of their span, or let them go on."""
+        self.loops = self.goes_round = on
+        self._notify_page()
 
     def pause(self) -> None:
         """Pause the run."""
-        self.goes_round = False
         if self.status == RUNNING:
             self.status = PAUSED
             self._notify_page()
@@ -270,18 +273,16 @@ class LiveRun(RunThread, PullMixin):
         self.strict = not on
         used = self.live.settings
         self._update_warnings()
-        self._begin_chunk(f"{used.method} at rtol {used.rtol:g}{' for looking' * on}")
+        self._begin_chunk(f"{used.method} at rtol {used.rtol:g}{' for looking' * on}", same=True)
         self._restart_clock()
         self._notify_page()
 
     def _try_roughen(self) -> None:
-        """Switch to coarser tolerances, if there are any; a loop goes on."""
-        around = self.goes_round
+        """Switch to coarser tolerances, if there are any."""
         try:
             self.roughen(True)
         except InputError:
             self.strict = True
-        self.goes_round = around
 
     def _clear_stop(self) -> None:
         """Turn a stopped run into a paused one after a change, if its state is of use."""
@@ -289,9 +290,9 @@ class LiveRun(RunThread, PullMixin):
             self.status, self.message = PAUSED, ""
         self._notify_page()
 
-    def _begin_chunk(self, what: str) -> None:
-        """Begin a new piece of samples, as the rod moves differently from here on."""
-        self.goes_round = False
+    def _begin_chunk(self, what: str, same: bool = False) -> None:
+        """Begin a new piece of samples; same: of the same motion, which a loop goes on with."""
+        self.goes_round &= same
         self.past = None
         if what:
             self.marks.note(self.live.t, what)

@@ -30,7 +30,7 @@ class ShownRun(Protocol):
 
     status: str
     begun: int
-    goes_round: bool
+    repeats: bool
     live: Live
     model: ModuleType
     store: SampleStore
@@ -191,7 +191,7 @@ class PageState:
 
     def _message(self, run: ShownRun, frame: int) -> bytes:
         header: dict[str, Any] = {"frame": frame, "state": run.status, "begun": run.begun}
-        header["loops"] = run.goes_round
+        header["repeats"] = run.repeats
         arrays: list[Named] = []
         if np.isfinite(run.page_sample.y[-1]).all():
             header["t"] = float(run.page_sample.t[-1])

@@ -31,7 +31,7 @@ class PullMixin(PlotsMixin):
     _to: tuple[float, float] | None = None
 
     @abstractmethod
-    def _begin_chunk(self, what: str) -> None:
+    def _begin_chunk(self, what: str, same: bool = False) -> None:
         """Begin a new piece of samples."""
 
     @abstractmethod

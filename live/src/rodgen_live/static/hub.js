@@ -58,7 +58,7 @@ class Hub {
     t: null,
     clock: "", // that time, as it is written
     begun: null, // how many runs have begun
-    loops: false, // whether each is like the one before
+    repeats: false, // whether the last is like the one before
     origin: [0, 0],
     joints: null,
     ...NOTHING,
@@ -114,7 +114,7 @@ class Hub {
   receive(buffer) {
     const { header, arrays } = decode(buffer);
     if (header.begun !== this.rod.begun) for (const restart of this.restarts) restart();
-    Object.assign(this.rod, { begun: header.begun, loops: header.loops });
+    Object.assign(this.rod, { begun: header.begun, repeats: header.repeats });
     if (header.t !== undefined) this.#tell(header.t);
     if (header.line) this.#look(header.line);
     if (header.state !== undefined) this.shown.state = header.state;

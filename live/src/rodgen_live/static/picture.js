@@ -121,7 +121,7 @@ export class Picture {
     if (begins) this.resetScale();
     const far = length(places);
     const same = Math.abs(far - this.#fitted.length) <= SAME * far;
-    if (!same || (begins && !this.state.loops)) this.#reach.forget();
+    if (!same || (begins && !this.state.repeats)) this.#reach.forget();
     this.#reach.add(this.#joints, this.state.origin);
     if (!same || begins || this.#leaves) this.refit();
     else if (!this.settled) this.fit();
