@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import json
 import re
 from typing import Any
 
+import numpy as np
 import pytest
 
 from live.tests.view import View, expect
@@ -74,6 +76,29 @@ def test_cursor_zoom_and_reset_are_of_all_plots(view: View) -> None:
 def script(view: View, module: str, body: str) -> Any:
     """What comes of a function of the exports of a module of the page."""
     return view.page.evaluate(f"import('rodgen-live/{module}.js').then(({body}))")
+
+
+def test_a_curve_loses_the_whole_turns_of_its_mean(view: View) -> None:
+    """And is not cut where it is more than half a turn away: of flutter about 4 pi, by 4 rad to
+    either side, as of two curves beside each other. Points of a section lose theirs one by one."""
+    angle = {"turn": 2 * np.pi, "least": 0}
+    now = """({ Curves }) => { const curves = new Curves(%s); curves.take(%s, true);
+        return curves.now(0).up.map((values) => Array.from(values)); }"""
+    t = np.arange(0.0, 10.0, 0.01)
+    swing = 4 * np.sin(2 * np.pi * t)
+
+    def drawn(kind: str, rows: list[Any], **more: Any) -> np.ndarray:
+        curves = [angle] * (1 if kind == "poincare" else len(rows) - 1)
+        spec = {"kind": kind, "x": {"turn": 0}, "y": angle, "series": curves, "window": 20}
+        given = json.dumps({**spec, "wrapped": True, **more}), np.transpose(rows).ravel().tolist()
+        return np.array(script(view, "curves", now % given))
+
+    found = drawn("time", [t, 4 * np.pi + swing, 4 * np.pi + swing / 2 + 3.2])
+    assert found == pytest.approx(np.array([swing, swing / 2 + 3.2]), abs=1e-12)
+    kept = drawn("time", [t, 4 * np.pi + swing], wrapped=False)
+    assert kept == pytest.approx(4 * np.pi + swing[None], abs=1e-12)
+    points = drawn("poincare", [t, t, 40 * t + 1.0])
+    assert np.abs(points).max() <= np.pi
 
 
 def test_axes_and_their_numbers(view: View) -> None:

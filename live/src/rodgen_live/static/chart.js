@@ -149,12 +149,11 @@ export class Chart {
     const dot = (size, fill) => {
       return { auto: false, width, stroke: null, fill, paths: dots(size * dense * devicePixelRatio) };
     };
-    const leap = ({ period, turn }) => period || (this.shown.turned && turn) || 0;
     const curve = (one, k) => {
       if (kind === "poincare") return dot(DOT, shade(k));
       const paths = (...asked) => {
-        const leaps = kind === "phase" || (kind === "time" && leap(one));
-        return (leaps ? trace(leap(x), leap(one)) : straight)(...asked);
+        const leaps = kind === "phase" || (kind === "time" && one.period);
+        return (leaps ? trace(x.period, one.period) : straight)(...asked);
       };
       return { auto: false, width, stroke: shade(k), paths };
     };

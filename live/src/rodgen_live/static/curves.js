@@ -1,10 +1,11 @@
 // What a plot shows: which of its rows, from where to where.
 
-import { bounds, folded, Rows } from "./rows.js";
+import { bounds, folded, mean, Rows } from "./rows.js";
 import { above, Range } from "./scales.js";
 
 const ORBIT = 5000; // rows of a phase plot
 
+const AWAY = 0.75; // turns that the mean of a curve may be away from those taken off, before others are
 const DEEPEST = 1e-9; // of the largest amplitude, below which a logarithmic axis shows none
 const REPLACED = ["profile", "spectrum"];
 export const PLANE = ["phase", "poincare"];
@@ -16,6 +17,7 @@ export class Curves {
   #x;
   #y;
   #until = null; // the end of what is seen where a time of the past is looked at
+  #turns = { x: null, y: null }; // whole turns that are taken off the curves, null: not known yet
   #end = null; // of rows that are appended, the number of the last shown while the picture stands
 
   constructor(spec) {
@@ -65,6 +67,7 @@ export class Curves {
 
   wrap(wrapped) {
     this.wrapped = wrapped;
+    this.#turns = { x: null, y: null };
     this.#x.reset();
     this.#y.reset();
   }
@@ -147,15 +150,33 @@ export class Curves {
   }
 
   // What is drawn of rows from..to: views of them, but for angles that are shown without their
-  // whole turns.
+  // whole turns: those of each point, or those of the mean of the curves.
   #columns(rows, from, to) {
     const [across, ...up] = rows.data.map((_, k) => rows.column(k, from, to)).slice(this.x);
     if (!this.wrapped) return { across, up, turned: false };
     const { x, series } = this.spec;
-    const fold = (values, { turn }) => (turn ? folded(values, turn, this.replaced) : values);
-    const found = { across: fold(across, x), up: up.map((values, k) => fold(values, series[k])) };
+    const leads = rows !== this.ghost;
+    const found = {
+      across: this.#fold("x", [across], [x], leads)[0],
+      up: this.#fold("y", up, series, leads),
+    };
     const turned = found.across !== across || found.up.some((values, k) => values !== up[k]);
     return { ...found, turned };
+  }
+
+  // leads: whether turns are those of these columns, else of those before.
+  #fold(axis, columns, quantities, leads) {
+    const turned = columns.filter((_, k) => quantities[k].turn);
+    if (!turned[0]?.length) return columns;
+    const { turn } = quantities.find((one) => one.turn);
+    if (this.spec.kind === "poincare") return columns.map((values) => folded(values, turn));
+    const away = mean(turned) / turn;
+    const before = this.#turns[axis];
+    const known = before !== null && Math.abs(away - before) <= AWAY;
+    if (leads && !known) this.#turns[axis] = Math.round(away);
+    const whole = turn * this.#turns[axis];
+    if (!whole) return columns;
+    return columns.map((values, k) => (quantities[k].turn ? values.map((one) => one - whole) : values));
   }
 
   // From when to when the run that is kept is in the picture; null: that is the axis of x.

@@ -85,12 +85,23 @@ export function lowest(values, value) {
   return low;
 }
 
-// Values without whole turns: each within half a turn of zero, or all of them less those of the first.
-export function folded(values, turn, together) {
+// Values, each without its whole turns.
+export function folded(values, turn) {
   if (!values.some((value) => Math.abs(value) > turn / 2)) return values;
-  const whole = (value) => turn * Math.round(value / turn) || 0;
-  const first = whole(values[0]);
-  return values.map((value) => value - (together ? first : whole(value)));
+  return values.map((value) => value - turn * Math.round(value / turn) || 0);
+}
+
+// The mean of all finite values of some columns; 0 without any.
+export function mean(columns) {
+  let [sum, count] = [0, 0];
+  for (const values of columns) {
+    for (const value of values) {
+      if (!Number.isFinite(value)) continue;
+      sum += value;
+      count += 1;
+    }
+  }
+  return sum / (count || 1);
 }
 
 // Least and largest finite value of some columns.
