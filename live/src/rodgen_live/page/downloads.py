@@ -35,8 +35,7 @@ class DownloadsPanel:
             for text, icon, clicked in (
                 ("Scene as TOML", "description", self._save_scene),
                 ("Run as NetCDF", "save", self._save_run),
-                ("Animation as MP4", "movie", lambda: self._save_animation("mp4")),
-                ("Animation as GIF", "gif_box", lambda: self._save_animation("gif")),
+                ("Animation as MP4", "movie", self._save_animation),
                 ("Link to what is shown", "link", self._make_link),
             ):
                 ui.button(text, icon=icon, on_click=clicked).props("flat no-caps align=left")
@@ -71,19 +70,19 @@ class DownloadsPanel:
         self.link.set_value(f"{self.page.client.request.base_url}?scene={packed}")
         self.link.set_visibility(True)
         ui.clipboard.write(str(self.link.value))
-        self.said.set_text("The link holds the scene as it is, plots, view, time and state.")
+        self.said.set_text("The link holds the scene as it is, plots and view.")
 
     async def _save_run(self) -> None:
         await self._download("nc", lambda solution, path, _: solution.save(path))
 
-    async def _save_animation(self, ending: str) -> None:
+    async def _save_animation(self) -> None:
         from rodgen.show.animation.film import animate
 
         def make_film(solution: Solution, path: Path, progress: Progress) -> None:
             start, span = float(solution.t[0]), float(np.ptp(solution.t)) or 1.0
             animate(solution, path, progress=lambda t: progress((t - start) / span))
 
-        await self._download(ending, make_film)
+        await self._download("mp4", make_film)
 
     async def _download(self, ending: str, make: Make) -> None:
         """Make a file from all samples so far, and have it downloaded."""

@@ -137,7 +137,7 @@ class RodCanvas(Element, component=STATIC / "rod.js"):
     start, 1 end); "kick" {link, share, dx, dy}: what was dragged from there, in metres; "pull"
     {link, share, x, y}: it was taken hold of, and the pointer is at that place of the world [m];
     "move" {x, y}: it is elsewhere; "release": it lets go. "pulling": a key switches `pull`.
-    Methods in the page: fit(), reset_scale(), png(name).
+    Methods in the page: fit(), png(name).
     """
 
     def __init__(self, view: View = "fixed") -> None:
@@ -165,10 +165,6 @@ class RodCanvas(Element, component=STATIC / "rod.js"):
     def fit(self) -> None:
         self.run_method("fit")
 
-    def reset_scale(self) -> None:
-        """Scale colours and arrows by the present state, not by what came before."""
-        self.run_method("reset_scale")
-
     def png(self, name: str = "rod.png") -> None:
         """Have the browser download the picture."""
         self.run_method("png", name)
@@ -195,7 +191,7 @@ class RodCanvas(Element, component=STATIC / "rod.js"):
 
 class Plots(Element, component=STATIC / "plots.js"):
     """Plots in a grid of one to three columns, each with buttons: pause, reset zoom, PNG, CSV,
-    move left, move right, remove; and dragged by its head. The page keeps at most 20000 rows of
+    remove; and dragged by its head. The page keeps at most 20000 rows of
     each.
 
     A plot is zoomed by dragging over it, by the wheel with Ctrl or once it was clicked, by + - and

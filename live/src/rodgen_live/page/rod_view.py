@@ -56,7 +56,6 @@ class RodPanel:
                 switch.props("dense").classes("rg-switch")
         self.modes = ModePanel(self.page, lambda mode: self.canvas.set_props(mode=mode))
         IconButton("fit_screen", "Fit the rod into the picture", lambda: self.canvas.fit())
-        IconButton("palette", "Scale colours anew", lambda: self.canvas.reset_scale())
         IconButton(
             "photo_camera",
             "Save the picture as PNG",

@@ -170,14 +170,6 @@ class LiveRun(RunThread, PullMixin):
         self.live.restart(system)
         self._begin()
 
-    def begin_at(self, sample: Samples, given: float, start: float) -> None:
-        """Begin with one sample of another run; given: energy [J] put into that so far; start: its
-        total energy at the start [J]."""
-        self.live.go_back(sample, self.live.p, given)
-        self.live.energy_start, self.greeted = start, True
-        self._begin()
-        self.goes_round = False
-
     def _begin(self) -> None:
         live = self.live
         self.begun += 1

@@ -34,7 +34,8 @@ class PlotSpec:
     quantity); x: of phase and poincare; window: seconds that are shown, or that a spectrum is of;
     poincare: points where ``when`` reaches ``value`` (plus whole numbers of ``every``, if not 0),
     ``direction`` rising, falling or either; wrapped: angles are shown without the whole turns of
-    their mean, points of a section each without its own; axes: of a spectrum (AXES). title: made where it is empty."""
+    their mean, points of a section each without its own; axes: of a spectrum (AXES).
+    title: made where it is empty."""
 
     id: str
     kind: str

@@ -34,8 +34,9 @@ Row = list[Any]  # value, growth [1/s], frequency [Hz], whether stable; None whe
 
 def sweep(scene: Scene, key: str, low: float, high: float, t: float) -> Iterator[Part]:
     """Sweep a number in parts: "rows" of the stability map; "critical", the value at which the
-    stability changes first, or None; "branch" and "special" of the bifurcation diagram, or "note",
-    why there is none. t: the time whose loads are taken [s]. Raises InputError."""
+    stability changes first, or None; "branch" and "special" of the bifurcation diagram, nothing
+    where all equilibria are straight, or "note", why there is none.
+    t: the time whose loads are taken [s]. Raises InputError."""
     if scene.rod.links > MOST_LINKS:
         raise InputError("rod.links", scene.rod.links, f"at most {MOST_LINKS} for a sweep")
     start, end = scene.integrate.span
@@ -106,6 +107,8 @@ def _branch(scene: Scene, key: str, ends: tuple[float, float], t: float) -> Part
     tip = data["tip"].values
     away = np.hypot(*(tip - tip[0]).T)
     away[away < ROUNDING * scene.rod.length] = 0.0
+    if not np.nan_to_num(away).any():
+        return {}
     return {
         "branch": {
             "value": data["value"].values.tolist(),

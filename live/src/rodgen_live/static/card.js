@@ -14,7 +14,7 @@ export class Card {
   draws = 0;
   cost = 0; // of a drawing, in milliseconds
 
-  // `on`: remove(), move(by), changed(), looked(time or null), zoomed(view), wrapped(whether).
+  // `on`: remove(), changed(), looked(time or null), zoomed(view), wrapped(whether).
   constructor(spec, on) {
     Object.assign(this, { spec, on });
     this.curves = new Curves(spec);
@@ -45,8 +45,6 @@ export class Card {
       this.reset,
       button("image", `Save ${title} as PNG`, () => this.png()),
       button("table_view", `Save ${title} as CSV`, () => this.csv()),
-      button("chevron_left", `Move ${title} left`, () => this.on.move(-1)),
-      button("chevron_right", `Move ${title} right`, () => this.on.move(1)),
       button("close", `Remove ${title}`, () => this.on.remove()),
     );
   }

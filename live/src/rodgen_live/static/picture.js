@@ -118,7 +118,7 @@ export class Picture {
       this.points = new Float64Array(places.length);
     }
     const begins = this.state.begun !== this.#fitted.begun;
-    if (begins) this.resetScale();
+    if (begins) this.#rescale();
     const far = length(places);
     const same = Math.abs(far - this.#fitted.length) <= SAME * far;
     if (!same || (begins && !this.state.repeats)) this.#reach.forget();
@@ -190,10 +190,10 @@ export class Picture {
     this.#reach.forget();
     this.fit();
     this.settled = this.chosen = false;
-    this.resetScale();
+    this.#rescale();
   }
 
-  resetScale() {
+  #rescale() {
     this.#moments.reset();
     this.#loads.reset();
   }

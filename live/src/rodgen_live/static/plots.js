@@ -99,7 +99,6 @@ export default {
       const { id } = spec;
       const card = new Card(JSON.parse(JSON.stringify(spec)), {
         remove: () => this.removed(id),
-        move: (by) => this.move(id, by),
         changed: () => hub.repaint(),
         looked: (t) => {
           this.pointed = t !== null;

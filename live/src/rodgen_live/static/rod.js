@@ -306,10 +306,6 @@ export default {
       this.picture.fit();
       hub.repaint();
     },
-    reset_scale() {
-      this.picture.resetScale();
-      hub.repaint();
-    },
     png(name) {
       this.$refs.canvas.toBlob((blob) => save(blob, name || "rod.png"));
     },
