@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import json
 import re
+import zipfile
 from pathlib import Path
 from typing import Any
 
@@ -233,7 +235,8 @@ def test_modes_are_those_about_the_present_state(view: View) -> None:
 
 
 def test_scene_and_run_are_taken_away(view: View, tmp_path: Path) -> None:
-    """As they are by then; a link to it holds the scene, and is hidden when that is another."""
+    """As they are by then; a link to it holds the scene, and is hidden when that is another. A page
+    without a server holds the part that was asked for, of what there was at the click."""
     view.fill("mass M", "25")
     view.shows("mass", 25.0)
     t = view.pause_after(0.2).tab("Save").live("live.t")
@@ -242,6 +245,18 @@ def test_scene_and_run_are_taken_away(view: View, tmp_path: Path) -> None:
     kept = rodgen.load(view.download(view.button("Run as NetCDF")).rename(tmp_path / "run.nc"))
     assert t - 0.011 < kept.t[-1] <= t  # samples are 0.01 s apart
     assert (kept.scene.rod.mass, kept.changes is None) == (25.0, False)
+    view.button("Page without").click()
+    ends = [view.field("from"), view.field("to")]
+    expect(ends[1]).to_have_value(f"{kept.t[-1]:.6g}")
+    ends[0].fill("0.1")
+    ends[1].fill("0.05")
+    view.button("Make").click()
+    view.refuses("to")
+    ends[1].fill(f"{kept.t[-1]:.6g}")
+    archive = zipfile.ZipFile(view.download(view.button("Make")))
+    written = archive.read("dart/run.js").decode().partition("=")[2].rstrip(";\n")
+    times = json.loads(written)["times"]
+    assert (times[0], times[-1]) == (pytest.approx(0.1), pytest.approx(kept.t[-1]))
     view.button("Link").click()
     expect(view.field("link")).to_have_value(re.compile("scene="))
     assert Link.unpack(view.field("link").input_value().partition("scene=")[2]).scene == scene

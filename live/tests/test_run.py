@@ -37,7 +37,10 @@ def test_run_goes_round_until_somebody_changes_it(run: LiveRun) -> None:
     assert (run.begun, run.goes_round) == (begun, False)
     does(run, run.restart)
     assert not run.repeats
+    assert does(run, run.solution).t[-1] < 0.05  # what there is
     until(lambda: run.begun, lambda count: count > begun + 3, "it does not begin again")
+    first, *_, last = does(run, run.solution).t  # of a whole round, and a frame at most
+    assert (first, last) == (0.0, pytest.approx(0.05, abs=0.02))
     does(run, lambda: run.loop(False), run.restart)
     past(run, 0.2)
     does(run, run.pause)

@@ -1,8 +1,9 @@
-"""Downloads from the page: the scene, the run, an animation, a link."""
+"""Downloads from the page: the scene, the run, a film, a page without a server, a link."""
 
 from __future__ import annotations
 
 import asyncio
+import shutil
 import tempfile
 from collections.abc import Callable
 from pathlib import Path
@@ -13,10 +14,12 @@ from nicegui import app, ui
 from rodgen.errors import InputError
 from rodgen.integrate.solution import Solution
 from rodgen.scene import Scene
-from rodgen_live.page.fields import heading
+from rodgen_live.page.fields import Field, dialog, heading, parse_number, show_refusals
 from rodgen_live.page.page_run import VIEW, PageRun
+from rodgen_live.replay import LEAST
 from rodgen_live.run.link import make_link
 
+HALF = 5e-6  # of the last of six digits, by which a time in a field may be off
 Progress = Callable[[float], None]  # told the share that is done
 Make = Callable[[Solution, Path, Progress], object]
 
@@ -35,7 +38,8 @@ class DownloadsPanel:
             for text, icon, clicked in (
                 ("Scene as TOML", "description", self._save_scene),
                 ("Run as NetCDF", "save", self._save_run),
-                ("Animation as MP4", "movie", self._save_animation),
+                ("Film as MP4", "movie", lambda: self._ask_span("mp4", _make_film)),
+                ("Page without a server", "web", lambda: self._ask_span("zip", _make_page)),
                 ("Link to what is shown", "link", self._make_link),
             ):
                 ui.button(text, icon=icon, on_click=clicked).props("flat no-caps align=left")
@@ -72,20 +76,23 @@ class DownloadsPanel:
         ui.clipboard.write(str(self.link.value))
         self.said.set_text("The link holds the scene as it is, plots and view.")
 
+    async def _samples(self) -> Solution:
+        """Samples of the run up to now; what comes later does not change them."""
+        return await self.page.call(self.page.run.solution)
+
     async def _save_run(self) -> None:
-        await self._download("nc", lambda solution, path, _: solution.save(path))
+        await self._download(await self._samples(), "nc", lambda run, path, _: run.save(path))
 
-    async def _save_animation(self) -> None:
-        from rodgen.show.animation.film import animate
+    async def _ask_span(self, ending: str, make: Make) -> None:
+        """Open a dialog for the part of the run, as it is at this click, that goes into a file."""
+        solution = await self._samples()
+        with self.page.root:
+            SpanDialog(
+                solution, lambda part: self.page.start_task(self._download(part, ending, make))
+            )
 
-        def make_film(solution: Solution, path: Path, progress: Progress) -> None:
-            start, span = float(solution.t[0]), float(np.ptp(solution.t)) or 1.0
-            animate(solution, path, progress=lambda t: progress((t - start) / span))
-
-        await self._download("mp4", make_film)
-
-    async def _download(self, ending: str, make: Make) -> None:
-        """Make a file from all samples so far, and have it downloaded."""
+    async def _download(self, solution: Solution, ending: str, make: Make) -> None:
+        """Make a file from a solution, and have it downloaded."""
         if self._busy:
             return
         self._busy = True
@@ -94,7 +101,7 @@ class DownloadsPanel:
         self.said.set_text("writing")
         said = ""
         try:
-            said = await self._make_file(ending, make)
+            said = await self._make_file(solution, ending, make)
         except (InputError, OSError) as error:
             said = str(error)
         except PageGoneError:
@@ -107,9 +114,8 @@ class DownloadsPanel:
                 self.progress.set_visibility(False)
                 self.said.set_text(said)
 
-    async def _make_file(self, ending: str, make: Make) -> str:
+    async def _make_file(self, solution: Solution, ending: str, make: Make) -> str:
         """Make a file in a thread; it is kept until the next one, as downloads may be slow."""
-        solution = await self.page.call(self.page.run.solution)
         self._clear()
         self._folder = tempfile.TemporaryDirectory(prefix="rodgen-", ignore_cleanup_errors=True)
         path = Path(self._folder.name, f"{solution.scene.name}.{ending}")
@@ -140,3 +146,45 @@ class DownloadsPanel:
             loop.call_soon_threadsafe(self.progress.set_value, share)
 
         return progress
+
+
+class SpanDialog:
+    """Dialog that asks from when to when; `take` is given that part of a solution."""
+
+    def __init__(self, solution: Solution, take: Callable[[Solution], object]):
+        self._solution, self._take = solution, take
+        with dialog("Part of the run", "Make", self._make) as self._dialog:
+            ends = zip(("from", "to"), solution.t[[0, -1]], strict=True)
+            self.fields: dict[str, Field] = {
+                name: ui.input(name, value=f"{t:.6g}").props("dense outlined suffix=s")
+                for name, t in ends
+            }
+            for field in self.fields.values():
+                field.on("keydown.enter", self._make)
+
+    def _make(self) -> None:
+        try:
+            ends = [parse_number(str(one.value), name) for name, one in self.fields.items()]
+            t = self._solution.t
+            part = slice(*np.searchsorted(t, [ends[0] - HALF * t[-1], ends[1] + HALF * t[-1]]))
+            if len(t[part]) < LEAST:
+                raise InputError("to", ends[1], f"so that there are {LEAST} samples or more")
+        except InputError as error:
+            show_refusals(self.fields, {error.field: f"must be {error.allowed}"})
+            return
+        self._dialog.close()
+        self._take(self._solution.isel(part))
+
+
+def _make_film(solution: Solution, path: Path, progress: Progress) -> None:
+    from rodgen.show.animation.film import animate
+
+    start, span = float(solution.t[0]), float(np.ptp(solution.t))
+    animate(solution, path, progress=lambda t: progress((t - start) / span))
+
+
+def _make_page(solution: Solution, path: Path, _: Progress) -> None:
+    from rodgen_live.page.export import export
+
+    export(solution, path.with_suffix(""))
+    shutil.make_archive(str(path.with_suffix("")), "zip", path.parent, path.stem)

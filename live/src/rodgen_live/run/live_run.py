@@ -41,7 +41,8 @@ class LiveRun(RunThread, PullMixin):
     `submit`. shown: the present sample; past: the earlier one that the page looks back at, or None.
     strict: whether tolerances are kept even where real time is missed. loops: whether a run begins
     again at the end of its span; goes_round: whether this one does, which a change or a kick ends;
-    repeats: whether it is like the one before. begun: how many times it has
+    repeats: whether it is like the one before; whole: samples of that one, if the loop has ended
+    it. begun: how many times it has
     begun at a start; taken: how many systems it has run so far; files: the scenes that came from
     files, by their names, the last one last, which a page notes; texts: of scenes that were read
     from texts. told: called in that thread when
@@ -60,6 +61,7 @@ class LiveRun(RunThread, PullMixin):
         self.texts: dict[Scene, str] = {}
         self.loops = self.goes_round = True
         self.repeats = False
+        self.whole: SampleStore | None = None
         self.past: Chunk | None = None
         system = System.of(system)
         self.undo = Undo(system.scene)
@@ -127,7 +129,9 @@ class LiveRun(RunThread, PullMixin):
         if failure:
             self._stop(failure)
         elif self.goes_round and self.past is None and self._is_over:
+            whole = self.store
             self.restart()
+            self.whole = whole
         elif self.pace.is_too_slow and not (self.live.is_coarsest or self.strict):
             self._try_roughen()
 
@@ -176,7 +180,7 @@ class LiveRun(RunThread, PullMixin):
         self.repeats, self.goes_round = self.goes_round, self.loops
         self.store = SampleStore(live.states, live.works, live.energy_start)
         self.store.set_parameters(live.p, live.given)
-        self.marks, self.past = ChangeMarks(), None
+        self.marks, self.past, self.whole = ChangeMarks(), None, None
         self.undo.drop_marks()
         if self.status != RUNNING:
             self.status = PAUSED
@@ -334,8 +338,10 @@ class LiveRun(RunThread, PullMixin):
     # What is taken away -------------------------------------------------------------------------
 
     def solution(self) -> RecordedSolution:
-        """Solution of all samples that are kept, each with the parameters that it was made with."""
-        pieces = tuple(self.store.chunks()) or (self.shown,)
+        """Solution of all samples that are kept, each with the parameters that it was made with; in
+        a loop, of its last whole round."""
+        store = self.whole if self.whole and self.goes_round else self.store
+        pieces = tuple(store.chunks()) or (self.shown,)
         work = np.concatenate([piece.work for piece in pieces])
         return RecordedSolution(
             system=self.live.system_in_use,

@@ -18,7 +18,7 @@ from rodgen_live.run.change_marks import ChangeMark
 from rodgen_live.run.plot import Plot
 from rodgen_live.run.plotting import PlotsMixin
 from rodgen_live.run.undo import Undo
-from rodgen_live.sample_store import Chunk
+from rodgen_live.sample_store import Chunk, SampleStore
 
 
 class PullMixin(PlotsMixin):
@@ -27,6 +27,7 @@ class PullMixin(PlotsMixin):
 
     model: ModuleType
     past: Chunk | None
+    whole: SampleStore | None
     undo: Undo
     _to: tuple[float, float] | None = None
 
@@ -65,6 +66,7 @@ class PullMixin(PlotsMixin):
 
         self.store = self.store.widen(live.works, with_pull_parameters)
         self.store.set_parameters(live.p, live.given)
+        self.whole = None
         self.catalogue = Catalogue(wanted, self.model, (PULL,))
         self.plots = {name: Plot(one.spec, self.catalogue) for name, one in self.plots.items()}
         if self.past is not None:
