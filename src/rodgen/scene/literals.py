@@ -23,8 +23,8 @@ from rodgen.scene import grammar
 from rodgen.scene.grammar import FUNCTIONS, TABLE
 from rodgen.scene.plain_tables import is_number
 
-THIS, OTHER, CUT = "□", "·", "…"
-NEAR = 12  # characters of the text before and behind a number that tell where it stands
+MARKED, CUT = "«%s»", "…"
+NEAR = 16  # characters of the text before and behind a number that tell where it stands
 
 LONGEST = 64  # characters
 NAME = re.compile(rf"[A-Za-z][A-Za-z0-9_]{{0,{LONGEST - 1}}}")
@@ -38,9 +38,8 @@ SENSORS = re.compile(r"(phi|omega|x|y|vx|vy)(_?\d+)?")
 
 @dataclass(frozen=True)
 class Literal:
-    """A number in a text. around: the text near it, with □ for it and · for others, which does not
-    change with these; leads: whether all that changes is multiplied by it; signed: whether its sign
-    is part of it."""
+    """A number in a text. around: the text near it, in which it is marked; leads: whether all that
+    changes is multiplied by it; signed: whether its sign is part of it."""
 
     value: float
     around: str
@@ -62,7 +61,7 @@ def literals(text: str, named: Collection[str] = ()) -> list[Literal]:
     return [
         Literal(
             value=float(ast.literal_eval(node)),
-            around=_context(text, places, at),
+            around=_context(text, *places[at]),
             leads=node in factors[:1],
             signed=tabled,
         )
@@ -141,16 +140,12 @@ def _text_span(text: str, node: ast.expr) -> tuple[int, int]:
     return offset(node.lineno, node.col_offset), offset(node.end_lineno, node.end_col_offset)
 
 
-def _context(text: str, places: list[tuple[int, int]], at: int) -> str:
-    """Text near a number, with signs in place of all numbers."""
-    parts, end = [], 0
-    for number, (first, last) in enumerate(places):
-        parts += [text[end:first], THIS if number == at else OTHER]
-        end = last
-    whole = " ".join("".join((*parts, text[end:])).split())
-    here = whole.index(THIS)
-    low, high = max(0, here - NEAR), here + 1 + NEAR
-    return CUT * (low > 0) + whole[low:high] + CUT * (high < len(whole))
+def _context(text: str, first: int, last: int) -> str:
+    """Text near a number, which is marked; first, last: its span."""
+    before, after = text[:first], text[last:]
+    low = max(0, len(before) - NEAR)
+    near = before[low:] + MARKED % text[first:last] + after[:NEAR]
+    return " ".join(f"{CUT * (low > 0)}{near}{CUT * (len(after) > NEAR)}".split())
 
 
 def check_name(name: str, field: str) -> None:

@@ -189,6 +189,12 @@ class Knob:
         if critical != self._critical:
             self._critical = critical
             self._mark()
+        if field.label != before.label:  # of a number in an expression, which is written in it
+            self.entry.field.props["label"] = field.label
+            self.entry.field.update()
+            if self.slider is not None:
+                self.slider.props["aria-label"] = field.label
+                self.slider.update()
         if self.sweep is not None:
             self.sweep.refresh(field)
         self.entry.show_file_value(field_text(field), field_text(filed) if filed else None)
