@@ -147,7 +147,9 @@ def test_rod_that_is_kept_is_shown_at_the_same_time(kept: LiveRun) -> None:
     assert ghost.joints(0.1025) == pytest.approx(0.75 * first + 0.25 * last)
     assert ghost.joints(0.3001).size == ghost.joints(-0.1).size == 0
     to(kept, 0.4)
-    assert gets(kept).headers[-1]["ghost"].size == 0  # it has not come that far
+    header = gets(kept).headers[-1]
+    assert header["ghost"].size == 0  # it has not come that far, and the picture says so
+    assert header["kept"] == pytest.approx(ghost.store.span)
     kept.submit(kept.restart).result()
     last_one = kept.ghost
     kept.submit(kept.restart).result()

@@ -202,6 +202,7 @@ class PageState:
                 )
             )
             if run.ghost:
+                header["kept"] = run.ghost.store.span
                 arrays.append(ghost_array(run.ghost.joints(header["t"]), header["origin"]))
             name = "trail!" if self._trail.anew else "trail"
             arrays.append((name, self._trail.pop(run.model, run.store).ravel()))

@@ -58,6 +58,7 @@ class Hub {
     t: null,
     clock: "", // that time, as it is written
     begun: null, // how many runs have begun
+    kept: null, // from when to when there is a run to compare with [s]
     repeats: false, // whether the last is like the one before
     origin: [0, 0],
     joints: null,
@@ -114,7 +115,7 @@ class Hub {
   receive(buffer) {
     const { header, arrays } = decode(buffer);
     if (header.begun !== this.rod.begun) for (const restart of this.restarts) restart();
-    Object.assign(this.rod, { begun: header.begun, repeats: header.repeats });
+    Object.assign(this.rod, { begun: header.begun, repeats: header.repeats, kept: header.kept ?? null });
     if (header.t !== undefined) this.#tell(header.t);
     if (header.line) this.#look(header.line);
     if (header.state !== undefined) this.shown.state = header.state;

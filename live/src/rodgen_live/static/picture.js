@@ -5,7 +5,7 @@ import { anchors, support } from "./rod_anchors.js";
 import { enlarged } from "./rod_enlarged.js";
 import { grid } from "./rod_grid.js";
 import { hint, met, said } from "./rod_hint.js";
-import { ghost, twice } from "./rod_ghost.js";
+import { ghost, over, twice } from "./rod_ghost.js";
 import { joints, length, Links } from "./rod_links.js";
 import { Loads, most } from "./rod_loads.js";
 import {
@@ -334,7 +334,8 @@ export class Picture {
     this.context.textBaseline = "top";
     outlined(this.context, `t = ${this.state.clock} s`, 8, 10, colours);
     const { times, mode } = this.options;
-    const notes = [mode?.text, times === 1 ? null : `displacements \u00d7 ${times}`];
+    const kept = over(this.state.kept, this.state.t);
+    const notes = [mode?.text, times === 1 ? null : `displacements \u00d7 ${times}`, kept];
     this.context.fillStyle = colours.present;
     notes
       .filter((note) => note)

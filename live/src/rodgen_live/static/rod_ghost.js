@@ -1,6 +1,7 @@
 // The rod of the run that is kept to compare with: pale, behind the rod itself, or beside it.
 
 import { outlined } from "./rod_marks.js";
+import { short } from "./scales.js";
 
 const WIDE = 4; // pixels
 const PALE = 0.35;
@@ -12,6 +13,14 @@ export const twice = (parts, length) =>
   parts.flatMap((part) => [part, { ...part, box: shifted(part.box, ASIDE * length) }]);
 
 const shifted = ([left, low, right, high], by) => [left + by, low, right + by, high];
+
+// What is said of the run that is kept where the rod is drawn at a time that it has not; `span`: of
+// that run [s], null: no run is kept.
+export const over = (span, t) => {
+  if (!span || (span[0] <= t && t <= span[1])) return null;
+  const [words, at] = t > span[1] ? ["has ended", span[1]] : ["begins", span[0]];
+  return `the run that is kept ${words} at ${short(at, 4)} s`;
+};
 
 // `joints` in metres from the origin of the state: x0, y0, ...; none where it is not there now.
 // `length`: of the rod that it stands beside [m]; 0: behind.

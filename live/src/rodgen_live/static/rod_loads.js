@@ -129,5 +129,5 @@ function row(name, colour, scale, longest, unit) {
   let value = scale.value / 2;
   while (value * longest > KEY * scale.shown) value /= 2; // a scale that moves may be far off
   const length = (value * longest) / scale.shown;
-  return { name, colour, length, text: `${short(value, 3)} ${unit}` };
+  return { name, colour, length, text: `scale ${short(value, 3)} ${unit}` };
 }

@@ -7,7 +7,7 @@ import { classes } from "./theme.js";
 const TURN = 2 * Math.PI;
 const [ROW, EDGE, NAME, LEAST_WIDE] = [18, 8, 60, 204]; // pixels of the legend; NAME: before names
 export const KEY = NAME - EDGE - 8; // pixels that an arrow there may have
-const VALUE = " 0.00 m/s\u00b2"; // as wide as most
+const VALUE = ", scale 0.00 m/s\u00b2"; // as wide as most
 const BESIDE = 14; // pixels from an end to its name
 const LYING = 0.4; // the sine of a link's angle, below which it lies
 const STEPS = 48; // of the colours of the bending moment
@@ -171,7 +171,7 @@ export function legend(context, [, , wide, high], limit, rows, colours) {
     context.fillStyle = colours.ink;
     context.textAlign = "left";
     context.textBaseline = "middle";
-    context.fillText(`${row.name} ${row.text}`, NAME, y);
+    context.fillText(`${row.name}, ${row.text}`, NAME, y);
     y += ROW;
   }
 }
