@@ -73,9 +73,7 @@ def states(view: View) -> Iterator[str]:
     for tab in ("Values", "Parameters", "Scene", "Text", "Save"):
         view.tab(tab)
         yield tab
-    view.page.get_by_role("switch", name="pull").click()
-    yield "pulls"
-    for button in ("What is shown", "Kick", "Pull", "Add plot", "Help"):
+    for button in ("What is shown", "Kicks and pulls", "Page without", "Add plot", "Help"):
         if view.button(button).is_visible():  # a phone has no keys
             dialog = view.dialog(button)
             yield button

@@ -159,10 +159,10 @@ def test_time_line_looks_back_and_the_rod_goes_on_from_there(view: View) -> None
 def test_rod_is_pulled_by_the_pointer_and_kicked_by_the_keyboard(view: View, run: LiveRun) -> None:
     """By a spring, whose energy F^2/2k is the work of the hand that tightens it, until it lets go;
     and by a dialog, each field of which has the focus in its turn, as a run without a page is."""
-    view.page.get_by_role("switch", name="pull").click()
-    expect(view.field("spring")).to_be_visible()
-    view.shows("work_pull", 0.0)  # its module has been made
+    tuned = view.dialog("Kicks and pulls")
     stiffness = float(view.field("spring").input_value())
+    view.page.keyboard.press("Escape")
+    expect(tuned).to_have_count(0)
     box = view.page.get_by_role("img", name="dart").bounding_box()
     joints = np.reshape(view.live("live.joints"), (-1, 2))
     x, y = joints[2:4].mean(axis=0) + np.array([box["x"], box["y"]])  # of the third link's middle
@@ -179,10 +179,11 @@ def test_rod_is_pulled_by_the_pointer_and_kicked_by_the_keyboard(view: View, run
     view.page.mouse.up()
     view.sees("live.pull.length === 0")
     run.submit(lambda: run.kick(3, 0.25, (4.0, 2.0))).result()
-    view.button("Kick").focus()
+    view.button("Kicks and pulls").click()
+    view.button("Kick in numbers").focus()
     view.page.keyboard.press("Enter")
-    dialog = view.page.get_by_role("dialog")
-    expect(view.field("link")).to_be_focused()
+    dialog = view.page.get_by_role("dialog", name="Kick", exact=True)
+    expect(dialog.get_by_role("textbox", name="link")).to_be_focused()
     for text in ("7", "0.25", "4", "2"):
         view.page.keyboard.press("Control+a")
         view.page.keyboard.type(text)
@@ -221,6 +222,8 @@ def test_modes_are_those_about_the_present_state(view: View) -> None:
 
     first = hertz(SCENE.initial_state())
     # The number, and four digits of its frequency.
+    picture = view.page.get_by_role("img", name="dart")
+    place = picture.bounding_box()
     told = "live.mode?.match(/mode ([0-9]+): ([0-9.]+) Hz/)?.slice(1).map(Number)"
     near = f"({told} ?? []).every((part, k) => Math.abs(part - given[k]) < 1e-3 * given[k])"
     view.button("Mode shapes").click()
@@ -230,6 +233,7 @@ def test_modes_are_those_about_the_present_state(view: View) -> None:
     view.sees(f"{told} && {near}", [2, first[1]])
     t = view.pause_after(0.3).live("live.t")
     view.sees(f"{told} && {near}", [2, hertz(at(t).y[-1])[1]])
+    assert picture.bounding_box() == place  # a list that comes does not move it
     view.button("Mode shapes").click()
     view.sees("live.mode === null")
 

@@ -24,6 +24,7 @@ LIBRARY = Path(nicegui.__file__).parent / "static"
 SHEETS = "vendor/uPlot.min.css", "page.css"
 ICONS = STATIC / "vendor" / "icons.woff2"  # made by `--update` of tests/live/test_appearance.py
 View = Literal["fixed", "centre", "axes"]
+TOOLS = LOOK, KICK, PULL = "look", "kick", "pull"  # what dragging from a link does
 
 
 class Layer(NamedTuple):
@@ -128,28 +129,27 @@ class RodCanvas(Element, component=STATIC / "rod.js"):
     bodies [{name, link, along, across, size}] (see scene.distribution.BodyOutline), ties [{link,
     share, x, y}] (see scene.anchors.SupportPoint), bed [[x, y], [x, y]] of a foundation, view
     ("fixed", "centre": the centre of gravity stays where it is, "axes": and the principal axes as
-    well), support ("none", "wall", "pin"), clampAngle [rad], kick (links can be kicked), perMetre
-    (of a kick, [N s] for a metre dragged), pull (they can be pulled), hold (what pulls stays where
-    it is let go), times (by which displacements from the straight rod are drawn larger), mode (a
-    mode shape to draw, see page/mode_panel.py), label (for screen readers), rod (any number:
-    another one fits the picture anew and clears the scales; another number of links does so too).
-    Events, while `kick` or `pull` is on: "link" {link, share}: a link was clicked, at `share` (0
-    start, 1 end); "kick" {link, share, dx, dy}: what was dragged from there, in metres; "pull"
-    {link, share, x, y}: it was taken hold of, and the pointer is at that place of the world [m];
-    "move" {x, y}: it is elsewhere; "release": it lets go. "pulling": a key switches `pull`.
+    well), support ("none", "wall", "pin"), clampAngle [rad], tool (one of TOOLS), perMetre
+    (of a kick, [N s] for a metre dragged), hold (what pulls stays where it is let go), times (by
+    which displacements from the straight rod are drawn larger), mode (a mode shape to draw, see
+    page/mode_panel.py), label (for screen readers), rod (any number: another one fits the picture
+    anew and clears the scales; another number of links does so too).
+    Events: "kick" {link, share, dx, dy}: what was dragged from a link, at `share` (0 start, 1 end),
+    in metres; "pull" {link, share, x, y}: it was taken hold of, and the pointer is at that place of
+    the world [m]; "move" {x, y}: it is elsewhere; "release": it lets go.
     Methods in the page: fit(), png(name).
     """
 
     def __init__(self, view: View = "fixed") -> None:
         super().__init__()
-        self._props.update(show=dict(SHOWN), loads=arrows_of(LOADS), view=view, kick=False)
+        self._props.update(show=dict(SHOWN), loads=arrows_of(LOADS), view=view, tool=PULL)
         self._props.update(
             bodies=[], ties=[], bed=[], clampAngle=0.0, perMetre=0.0, times=1, mode=None
         )
-        self._props.update(pull=False, hold=False)
+        self._props.update(hold=False)
 
     def set_props(self, **props: Any) -> None:
-        """Set props by name: bodies, ties, bed, view, kick, perMetre, pull, hold, times, mode,
+        """Set props by name: bodies, ties, bed, view, tool, perMetre, hold, times, mode,
         clampAngle."""
         self._props.update(props)
 
@@ -169,10 +169,6 @@ class RodCanvas(Element, component=STATIC / "rod.js"):
         """Have the browser download the picture."""
         self.run_method("png", name)
 
-    def on_link(self, handler: Handler) -> None:
-        """Call handler({"link": int, "share": float}) when a link is clicked."""
-        _listen(self, "link", ["link", "share"], handler)
-
     def on_kick(self, handler: Handler) -> None:
         """Call handler({"link": int, "share": float, "dx": m, "dy": m}) after a drag."""
         _listen(self, "kick", ["link", "share", "dx", "dy"], handler)
@@ -183,10 +179,6 @@ class RodCanvas(Element, component=STATIC / "rod.js"):
         _listen(self, "pull", ["link", "share", "x", "y"], handler)
         _listen(self, "move", ["x", "y"], moved)
         _listen(self, "release", [], released)
-
-    def on_pulling(self, handler: Handler) -> None:
-        """Call handler({}) when a key switches whether links can be pulled."""
-        _listen(self, "pulling", [], handler)
 
 
 class Plots(Element, component=STATIC / "plots.js"):

@@ -17,7 +17,7 @@ from jinja2 import Environment, FileSystemLoader, StrictUndefined
 from rodgen.errors import InputError
 from rodgen.integrate.solution import Solution
 from rodgen.scene import Scene
-from rodgen_live.page.elements import ICONS, LIBRARY, SHOWN, STATIC, arrows_of, style_sheet
+from rodgen_live.page.elements import ICONS, LIBRARY, LOOK, SHOWN, STATIC, arrows_of, style_sheet
 from rodgen_live.page.plots import first_plots
 from rodgen_live.page.rod_view import description, first_view, scene_props
 from rodgen_live.plot_quantities import Catalogue
@@ -110,8 +110,7 @@ def _rod_props(scene: Scene) -> dict[str, Any]:
         "support": scene.boundary_condition.start_drawing,
         "label": description(scene),
         "rod": 1,
-        "kick": False,
-        "pull": False,
+        "tool": LOOK,
         "hold": False,
         "perMetre": 0.0,
         "times": 1,

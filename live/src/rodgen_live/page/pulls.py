@@ -3,12 +3,10 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
 from dataclasses import replace
 from typing import Any
 
 from nicegui import ui
-from nicegui.events import ValueChangeEventArguments
 
 from rodgen.errors import InputError
 from rodgen.scene import Scene
@@ -24,72 +22,34 @@ DIGITS = 3
 
 
 class PullControls:
-    """Controls of pulls; only: called when dragging from a link is switched to pulling."""
+    """Controls of pulls: of its spring, and what the pointer does to it over the picture."""
 
-    def __init__(self, page: PageRun, only: Callable[[], object]):
-        self.page, self._only = page, only
+    def __init__(self, page: PageRun, canvas: RodCanvas):
+        self.page = page
         self._held, self._to = False, (0.0, 0.0)  # by the pointer
-        self.switch = ui.switch("pull by dragging", on_change=self._switch_pulling).props("dense")
-        with self.switch:
-            ui.tooltip("Drag from a link to pull it by a spring, or click it to type where to")
         self._stiffness = Entry("spring [N/m]", "", self._set_stiffness)
         self._damping = Entry("damper [N s/m]", "", self._set_damping)
-        self.stays = ui.switch("stay where let go", on_change=self._switch_staying).props("dense")
-        with self.stays:
+        stays = ui.switch("stay where let go").props("dense")
+        stays.on_value_change(lambda event: canvas.set_props(hold=bool(event.value)))
+        with stays:
             ui.tooltip("As Shift does: the spring's far end stays until Let go, or Esc")
-        self._free = ui.button("Let go", on_click=self._release).props("flat dense no-caps")
-        ui.button("Pull…", on_click=self._ask_tail).props("flat dense no-caps")
-        for entry in (self._stiffness, self._damping):
-            entry.field.classes("rg-spring")
-        self._show_spring(False)
-
-    def connect(self, canvas: RodCanvas) -> None:
-        """Listen to what the pointer does over the picture."""
-        self.canvas = canvas
-        canvas.on_pull(self._grasp, self._move, lambda _: self._release())
-        canvas.on_pulling(lambda _: self.switch.set_value(not self.switch.value))
-
-    def refresh(self) -> None:
-        """Show whether the rod is pulled."""
-        pulled = self.page.run.live.pulling is not None
-        self._free.set_enabled(pulled)
-        self._free.set_visibility(pulled or bool(self.switch.value))
+        ui.button("Pull in numbers…", on_click=self._ask).props("flat dense no-caps")
+        canvas.on_pull(self._grasp, self._move, lambda _: self.release())
 
     def set_scene(self, scene: Scene) -> None:
         """Set the spring to a size that suits another scene."""
         self.stiffness, self.damping = usual_spring(scene)
         self._stiffness.show(format_number(self.stiffness))
         self._damping.show(format_number(self.damping))
-        if self.switch.value:
-            self.page.start_task(self.page.allow_pulls())
 
-    def ask_pull(self, link: int, share: float) -> None:
-        """Open a dialog for a pull in numbers."""
+    def _ask(self) -> None:
+        """Open a dialog for a pull in numbers, at first of the tail."""
         run, links = self.page.run, self.page.scene.rod.links
-        x, y = run.model.joints(run.shown.y[-1], run.shown.p)[link + (share >= 0.5)]
+        x, y = run.model.joints(run.shown.y[-1], run.shown.p)[-1]
         size = self.page.scene.rod.length / 10
         with self.page.root:
             components = {"far end, x [m]": round(x, DIGITS), "y [m]": round(y + size, DIGITS)}
-            PointDialog("Pull", links, (link, share), components, self._pull)
-
-    def _ask_tail(self) -> None:
-        self.ask_pull(self.page.scene.rod.links - 1, 1.0)
-
-    def _switch_pulling(self, event: ValueChangeEventArguments[Any]) -> None:
-        on = bool(event.value)
-        self.canvas.set_props(pull=on)
-        self._show_spring(on)
-        if on:
-            self._only()
-            self.page.start_task(self.page.allow_pulls())
-
-    def _show_spring(self, on: bool) -> None:
-        for tool in (self._stiffness.field, self._damping.field, self.stays):
-            tool.set_visibility(on)
-        self.refresh()
-
-    def _switch_staying(self, event: ValueChangeEventArguments[Any]) -> None:
-        self.canvas.set_props(hold=bool(event.value))
+            PointDialog("Pull", links, (links - 1, 1.0), components, self._pull)
 
     # What the pointer does ----------------------------------------------------------------------
 
@@ -108,7 +68,8 @@ class PullControls:
         self._to = to = float(event["x"]), float(event["y"])
         self.page.submit(lambda: self.page.run.move_pull(to))
 
-    def _release(self) -> None:
+    def release(self) -> None:
+        """Let go of the rod."""
         self._held = False
         self.page.submit(self.page.run.release_pull)
 

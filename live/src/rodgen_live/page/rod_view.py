@@ -10,7 +10,7 @@ from nicegui.events import ValueChangeEventArguments
 
 from rodgen.scene import Scene
 from rodgen.scene.model_contents import describe_loads
-from rodgen_live.page.elements import LAYERS, RodCanvas, View
+from rodgen_live.page.elements import LAYERS, PULL, TOOLS, RodCanvas, View
 from rodgen_live.page.fields import Entry, IconButton, format_number, parse_number
 from rodgen_live.page.mode_panel import ModePanel
 from rodgen_live.page.page_run import VIEW, PageRun
@@ -18,7 +18,8 @@ from rodgen_live.page.point_dialog import PointDialog
 from rodgen_live.page.pulls import PullControls
 
 SHOWN = "What is shown"
-MENU = f'auto-close=false role=dialog aria-label="{SHOWN}"'
+MENU = 'auto-close=false role=dialog aria-label="%s"'
+TUNED = "Kicks and pulls: strength, spring, in numbers"
 ENLARGED = {1: "as they are", 10: "× 10", 100: "× 100", 1000: "× 1000", 10_000: "× 10 000"}
 VIEWS = {"fixed": "fixed", "centre": "follows the centre of gravity", "axes": "turns with the axes"}
 
@@ -31,23 +32,22 @@ class RodPanel:
         self._taken = 0  # of the run's scenes
         self._drawn: dict[str, Any] = {}
         with ui.element("section").classes("rg-rod").props('aria-label="The rod"'):
-            with ui.element("div").classes("rg-tools"):
-                self._build_tools()
-            self.canvas = RodCanvas(self.view.value)
+            tools = ui.element("div").classes("rg-tools")
+            self._first = first_view(self.page.scene)
+            self.canvas = RodCanvas(page.tab.get(VIEW, self._first))
             self.canvas.classes("rg-canvas")
+            with tools:
+                self._build_tools()
         self.canvas.on_kick(self._on_drag)
-        self.canvas.on_link(self._on_click)
-        self.pulls.connect(self.canvas)
 
     def _build_tools(self) -> None:
-        self._first = first_view(self.page.scene)
         self.view = ui.select(VIEWS, value=self.page.tab.get(VIEW, self._first), label="View")
         self.view.on_value_change(self._set_view)
         self.view.props("dense outlined options-dense").classes("rg-view")
         self.times = ui.select(ENLARGED, value=1, label="Displacements")
         self.times.on_value_change(lambda event: self.canvas.set_props(times=event.value))
         self.times.props("dense outlined options-dense").classes("rg-times")
-        with IconButton("layers", SHOWN), ui.menu().props(MENU):
+        with IconButton("layers", SHOWN), ui.menu().props(MENU % SHOWN):
             self.switches = {
                 name: ui.switch(layer.label, value=layer.shown, on_change=self._layer_handler(name))
                 for name, layer in LAYERS.items()
@@ -61,14 +61,14 @@ class RodPanel:
             "Save the picture as PNG",
             lambda: self.canvas.png(f"{self.page.scene.name}.png"),
         )
-        self.kicks = ui.switch("kick by dragging", on_change=self._switch_kicking).props("dense")
-        with self.kicks:
-            ui.tooltip("Drag from a link to kick it, or click it to type the impulse")
-        self.per_metre = Entry("N s per metre dragged", "", self._put_strength)
-        self.per_metre.field.classes("rg-strength")
-        self.per_metre.field.set_visibility(False)
-        ui.button("Kick…", on_click=self._ask_tail).props("flat dense no-caps")
-        self.pulls = PullControls(self.page, lambda: self.kicks.set_value(False))
+        tool = ui.toggle(list(TOOLS), value=PULL).props('dense no-caps unelevated role="group"')
+        tool.props('aria-label="What dragging from a link does"').classes("rg-tool")
+        tool.on_value_change(lambda event: self.canvas.set_props(tool=event.value))
+        with IconButton("tune", TUNED), ui.menu().props(MENU % TUNED).classes("rg-tuned"):
+            self.per_metre = Entry("kick [N s] per metre dragged", "", self._put_strength)
+            ui.button("Kick in numbers…", on_click=self._ask).props("flat dense no-caps")
+            self.pulls = PullControls(self.page, self.canvas)
+        self.free = ui.button("Let go", on_click=self.pulls.release).props("flat dense no-caps")
 
     def refresh(self) -> None:
         """Show the scene as it is now."""
@@ -80,7 +80,7 @@ class RodPanel:
         if run.taken != self._taken:
             self._taken = run.taken
             self._set_scene(scene)
-        self.pulls.refresh()
+        self.free.set_enabled(run.live.pulling is not None)
 
     def _set_scene(self, scene: Scene) -> None:
         """Show another scene."""
@@ -105,12 +105,6 @@ class RodPanel:
     def _layer_handler(self, name: str) -> Any:
         return lambda event: self.canvas.show(**{name: bool(event.value)})
 
-    def _switch_kicking(self, event: ValueChangeEventArguments[Any]) -> None:
-        self.canvas.set_props(kick=bool(event.value))
-        self.per_metre.field.set_visibility(bool(event.value))
-        if event.value:
-            self.pulls.switch.set_value(False)
-
     async def _put_strength(self, text: str) -> None:
         self._set_strength(parse_number(text, "kick strength"))
 
@@ -118,10 +112,6 @@ class RodPanel:
         """Set the impulse of kicks for a metre that is dragged [N s]."""
         self.strength = strength
         self.canvas.set_props(perMetre=strength)
-
-    def _on_click(self, event: dict[str, Any]) -> None:
-        ask = self.pulls.ask_pull if self.pulls.switch.value else self._ask_kick
-        ask(int(event["link"]), float(event["share"]))
 
     def _on_drag(self, event: dict[str, Any]) -> None:
         link, share = int(event["link"]), float(event["share"])
@@ -131,15 +121,12 @@ class RodPanel:
     async def _kick(self, link: int, share: float, impulse: tuple[float, float]) -> None:
         await self.page.call(lambda: self.page.run.kick(link, share, impulse))
 
-    def _ask_kick(self, link: int, share: float) -> None:
-        """Open a dialog for a kick in numbers; link, share: the place that it suggests."""
+    def _ask(self) -> None:
+        """Open a dialog for a kick in numbers, at first of the tail."""
         links = self.page.scene.rod.links
         components = {"impulse along x [N s]": 0.0, "impulse along y [N s]": self.strength / 10}
         with self.page.root:
-            PointDialog("Kick", links, (link, share), components, self._kick)
-
-    def _ask_tail(self) -> None:
-        self._ask_kick(self.page.scene.rod.links - 1, 1.0)
+            PointDialog("Kick", links, (links - 1, 1.0), components, self._kick)
 
 
 def scene_props(scene: Scene) -> dict[str, Any]:

@@ -21,7 +21,6 @@ IN_FOCUS = {
         "← → ↑ ↓": "Move the picture",
         "+ −": "Zoom, as the wheel does",
         "0": "Fit the rod, as a double click does",
-        "p": "Pull by dragging, or no longer",
         "Esc": "Let go of a kick or a pull",
     },
     "The time line, in focus": {

@@ -99,18 +99,18 @@ class Toolbar:
                 label="Speed",
             ).props("dense outlined options-dense")
             self.speed.classes("rg-speed")
-            with ui.element("div").classes("rg-now"):
-                self.state = ui.label().classes("rg-state").props('role="status"')
-                _add_live_text("t", "s", "time")
-                _add_live_text("ratio", "× real time", "ratio")
-            ui.element("span").classes("rg-lost").props('data-text="connection" role="alert"')
-            self._control("dark_mode", "Light or dark", "d", turn_shade)
+            self._control("dark_mode", "Light or dark", "d", turn_shade).classes("rg-last")
             self._control("help_outline", "Help and keys", "?", self._help).classes("rg-help")
+        with ui.element("div").classes("rg-now"):  # the place of what comes and goes
+            self.state = ui.label().classes("rg-state").props('role="status"')
+            _add_live_text("t", "s", "time")
+            _add_live_text("ratio", "× real time", "ratio")
+            ui.element("span").classes("rg-lost").props('data-text="connection" role="alert"')
+            self.failure = ui.label().classes("rg-failure").props('role="alert"')
+            with ui.element("div").classes("rg-rough").props('role="status"') as self.rough:
+                self.looking = ui.label()
+                self.back = ui.button(on_click=self._restore_tolerances).props("flat dense no-caps")
         self.about = ui.label().classes("rg-about")
-        self.failure = ui.label().classes("rg-failure").props('role="alert"')
-        with ui.element("div").classes("rg-rough").props('role="status"') as self.rough:
-            self.looking = ui.label()
-            self.back = ui.button(on_click=self._restore_tolerances).props("flat dense no-caps")
         Keys(self._keys, held=".")
 
     def _control(self, icon: str, label: str, key: str, act: Callable[[], object]) -> IconButton:
@@ -146,7 +146,8 @@ class Toolbar:
             button.set_enabled(not stopped)
         self.around.props(f"aria-pressed={'true' if run.goes_round else 'false'}")
         self.state.set_text(AROUND if running and run.goes_round else run.status)
-        self.failure.set_text(_stop_message(run) if stopped else "")
+        self.failure.set_text(said := _stop_message(run) if stopped else "")
+        self.failure.props["title"] = said  # it may be too long for its line
         self.failure.set_visibility(stopped)
         self._update_scenes(scene.name)
         own, used = scene.integrate, live.settings

@@ -11,10 +11,9 @@ const STILL = 4; // pixels that a click may move
 const APART = 30; // ms between two places of a pull that are sent
 const SAME = 0.25; // pixels by which they differ at least
 
-// `changed` asks for a drawing; `emit` sends "link", "kick", "pull", "move", "release", "pulling".
+// `changed` asks for a drawing; `emit` sends "kick", "pull", "move", "release".
 class Pointer {
-  kicks = false;
-  pulls = false;
+  tool = "look"; // or "kick", "pull"
   holds = false;
   #sent = { at: 0, place: [0, 0] }; // of a pull
   #down = new Map(); // pointers that are down: id to [x, y]
@@ -79,7 +78,7 @@ class Pointer {
     this.#moved ||= Math.hypot(dx, dy) > STILL;
     if (!this.#moved) return;
     const { hit } = this.#start;
-    if (hit && this.pulls) this.#pull(hit, now);
+    if (hit && this.tool === "pull") this.#pull(hit, now);
     else if (hit) this.#do(() => (this.picture.kick = { ...hit, dx, dy }));
     else this.#look(() => this.picture.camera.pan(now[0] - before[0], now[1] - before[1]));
   }
@@ -96,11 +95,11 @@ class Pointer {
   // The link that a kick or a pull from there is for.
   #hit(x, y) {
     const { points, camera, state, options } = this.picture;
-    if (this.pulls) {
+    if (this.tool === "pull") {
       const again = caught(x, y, camera, state, points, options.times);
       if (again) return again;
     }
-    return this.kicks || this.pulls ? met(points, x, y) : null;
+    return this.tool === "look" ? null : met(points, x, y);
   }
 
   #pull({ link, share }, [x, y]) {
@@ -159,8 +158,7 @@ class Pointer {
       const { link, share } = hit;
       const [dx, dy] = this.picture.camera.metres(x - fromX, y - fromY);
       if (this.picture.hand) this.#free(event.shiftKey || this.holds);
-      else if (this.#moved && this.kicks) this.emit("kick", { link, share, dx, dy });
-      else if (!this.#moved) this.emit("link", { link, share });
+      else if (this.#moved && this.tool === "kick") this.emit("kick", { link, share, dx, dy });
     }
     this.#drop();
   }
@@ -195,11 +193,7 @@ class Pointer {
       ArrowDown: () => camera.pan(0, -40),
     };
     act(event, moves, (move) => this.#look(move));
-    const others = {
-      Escape: () => this.#escape(),
-      p: () => this.emit("pulling", {}),
-    };
-    act(event, others);
+    act(event, { Escape: () => this.#escape() });
   }
 
   // Lets go of a kick, and of a pull that stays.
@@ -223,8 +217,7 @@ export default {
     view: String,
     support: String,
     clampAngle: Number,
-    kick: Boolean,
-    pull: Boolean,
+    tool: String,
     hold: Boolean,
     perMetre: Number,
     times: Number,
@@ -273,8 +266,7 @@ export default {
     bed: "held",
     support: "set",
     clampAngle: "set",
-    kick: "set",
-    pull: "set",
+    tool: "set",
     hold: "set",
     perMetre: "set",
     times: "held",
@@ -294,7 +286,7 @@ export default {
       const marks = { bodies, ties, bed, support, clampAngle };
       const options = { show: { ...show }, loads, ...marks, view, perMetre, times, mode };
       Object.assign(this.picture.options, options);
-      Object.assign(this.pointer, { kicks: this.kick, pulls: this.pull, holds: this.hold });
+      Object.assign(this.pointer, { tool: this.tool, holds: this.hold });
       hub.repaint();
     },
     // What is around the rod, or how it is drawn, is other than before.
