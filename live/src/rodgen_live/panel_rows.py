@@ -54,8 +54,8 @@ def pad(text: str) -> str:
 
 
 class TextRow(NamedTuple):
-    """A row of the panel: key, label, unit; without a label it is a row of text alone, and not
-    there while that is empty."""
+    """A row of the panel: key, label, unit; without a label it is a row of text alone. It is
+    not there while its text is empty."""
 
     key: str
     label: str
@@ -325,15 +325,21 @@ def _energies(scene: Scene) -> Iterator[Entry]:
         yield TextRow(f"work_{EMPTYING}", f"work of {EMPTYING}", "J"), _work(EMPTYING)
     yield TextRow(f"work_{PULL}", f"work of the {PULL}", "J"), _work(PULL)
     row = TextRow("given", "given by changes and kicks", "J")
-    yield row, lambda now: format_significant(now.present.chunk.given)
+    yield row, lambda now: _unless_zero(now.present.chunk.given)
     yield _quantity("energy_balance", "balance error")
 
 
 def _work(term: str) -> Callable[[PanelState], str]:
-    """Make the function for the text of the work of a load, 0 where the module has no such work."""
-    return lambda now: format_significant(
-        now.value(f"work_{term}") if term in now.motion.work else 0.0
+    """Make the function for the text of the work of a load, nothing where the module has no such
+    work."""
+    return lambda now: (
+        format_significant(now.value(f"work_{term}")) if term in now.motion.work else ""
     )
+
+
+def _unless_zero(value: float) -> str:
+    """Format a number that is zero until something is done to the run, and not there so long."""
+    return format_significant(value) if value else ""
 
 
 def _integration(scene: Scene) -> Iterator[Entry]:

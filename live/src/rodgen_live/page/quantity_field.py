@@ -42,6 +42,7 @@ class QuantityField:
         self.field.props("dense outlined options-dense hide-bottom-space input-debounce=0")
         self.field.props("use-chips" if self.several else "").classes("rg-wide")
         self.field.on_value_change(self._build_entries)
+        self.field.on("keydown.enter", lambda: self.field.run_method("hidePopup"))
         self._box = ui.element("div").classes("rg-knobs")
         self._which: dict[str, ui.input] = {}
 
