@@ -89,7 +89,7 @@ def states(view: View) -> Iterator[str]:
     view.sees("live.mode !== null")
     yield "mode shapes"
     view.tab("Parameters").button("Sweep of follower force P").click()
-    expect(view.page.get_by_role("group", name="sweep of").get_by_role("img")).to_be_visible()
+    expect(view.page.get_by_role("region", name="largest growth")).to_be_visible()
     yield "swept"
     view.button("Sweep of follower force P").click()
     view.fill("mass M", "-3")

@@ -13,7 +13,7 @@ import pytest
 
 import rodgen
 from live.tests.conftest import SCENE, make
-from live.tests.view import DIGITS, View, expect, until
+from live.tests.view import DIGITS, View, expect
 from rodgen.scene import Scene, Structure
 from rodgen_live.run.frozen_modes import frozen_modes
 from rodgen_live.run.link import Link
@@ -196,21 +196,24 @@ def test_rod_is_pulled_by_the_pointer_and_kicked_by_the_keyboard(view: View, run
 
 
 def test_sweep_finds_the_critical_force(view: View) -> None:
-    """That of `rodgen.critical_load`; a click on the picture takes the value there, at its right
+    """That of `rodgen.critical_load`; a click on its plot takes the value of a row, at the right
     end that of the range."""
     view.button("Sweep of follower force P").click()
     swept = view.page.get_by_role("group", name="sweep of follower force P", exact=True)
     swept.get_by_role("textbox", name="to").fill("200")
     swept.get_by_role("textbox", name="to").press("Enter")
     critical = rodgen.critical_load(SCENE).value  # four digits are shown
-    drawn, before = swept.get_by_role("img"), ""
-    while f"{critical:.4g}" not in before:
-        before = until(drawn.inner_html, lambda seen, old=before: seen != old, "no more comes")
+    expect(swept.get_by_role("status")).to_contain_text(f"stable up to {critical:.4g} N")
+    view.button("Reset to").click()  # it is of no run
+    view.sees("live.plots['loads.follower.force/growth'].seen === 41")
+    drawn = view.page.get_by_role("region", name="largest growth rate").locator("canvas")
     drawn.scroll_into_view_if_needed()
-    box = drawn.bounding_box()  # of two diagrams, the map of stability above
-    drawn.click(position={"x": box["width"] - 9, "y": box["height"] / 8})
+    box = drawn.bounding_box()
+    view.page.mouse.click(box["x"] + box["width"] - 16, box["y"] + box["height"] / 4)
     expect(view.field("follower force P")).to_have_value("200")
     view.shows("follower_force", 200.0)
+    view.button("Sweep of follower force P").click()
+    view.sees("Object.keys(live.plots).length === 2")
 
 
 def test_modes_are_those_about_the_present_state(view: View) -> None:

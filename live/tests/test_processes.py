@@ -6,7 +6,6 @@ import asyncio
 import json
 import queue
 import signal
-import xml.etree.ElementTree as ElementTree
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -23,7 +22,7 @@ from rodgen.scene import Scene, Structure
 from rodgen.system import System
 from rodgen_live.page import module_builder
 from rodgen_live.page.module_builder import ModuleBuilder
-from rodgen_live.page.sweep_picture import HEIGHT, WIDTH, Diagram, SweepPoint, diagrams_svg
+from rodgen_live.page.sweep_diagram import Diagram, SweepPoint
 from rodgen_live.run import critical_search
 from rodgen_live.run.critical_search import COMPUTING, CriticalSearch
 from rodgen_live.run.live_run import LiveRun
@@ -161,19 +160,15 @@ def test_rods_of_very_many_links_are_not_swept() -> None:
         next(sweep(Scene.from_dict(varied(links=300)), "rod.mass", 1.0, 2.0, t=0.0))
 
 
-def test_picture_shows_what_is_stable_and_where_that_ends() -> None:
-    points = [SweepPoint(0.0, -1.0, True), SweepPoint(1.0, 0.5, False), SweepPoint(2.0, 3.0, False)]
-    one = Diagram("growth", 0.0, 2.0, points)
-    svg = ElementTree.fromstring(diagrams_svg([one], "sweep of P", 0.5, 0.7, []))
-    drawn = {line.get("class"): line.get("points") for line in svg.iter("polyline")}
-    assert drawn.keys() == {"stable", "unstable"}
-    assert "0.7" in [text.text for text in svg.iter("text")]
-    assert {"present", "critical"} <= {path.get("class") for path in svg.iter("path")}
-    for point in points:
-        x, y = one.position(point)
-        assert 0 <= x <= WIDTH
-        assert 0 <= y <= HEIGHT
-        assert one.nearest(x + 1.0, y - 40.0) == point
+def test_diagram_is_dashed_where_the_rod_is_not_stable() -> None:
+    """As far as the next point that is: what lies between is not known."""
+    points = [SweepPoint(k, h, s) for k, h, s in ((0.0, -1.0, True), (1.0, 0.5, False))]
+    points += [SweepPoint(2.0, 3.0, None), SweepPoint(3.0, -2.0, True), SweepPoint(4.0, -3.0, True)]
+    one = Diagram("P/growth", ("growth", "1/s"), ("P", "N"), Mock(), points)
+    rows = np.array(one.rows, dtype=float).reshape(-1, 3)
+    assert rows[:, 0].tolist() == [0.0, 1.0, 2.0, 3.0, 4.0]
+    np.testing.assert_array_equal(rows[:, 1], [-1.0, np.nan, np.nan, -2.0, -3.0])
+    np.testing.assert_array_equal(rows[:, 2], [-1.0, 0.5, 3.0, -2.0, np.nan])
 
 
 def quiet(_: str) -> None:

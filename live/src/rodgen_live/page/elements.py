@@ -191,12 +191,13 @@ class Plots(Element, component=STATIC / "plots.js"):
     rows are kept and not shown.
 
     Props: specs, a list of plots as JSON, in the order shown: {"id", "kind" ("time", "phase",
-    "profile", "spectrum", "poincare"), "title", "x": {"label", "unit", "log", "least", "period",
-    "turn"}, "y": {"label", "unit", "log", "least"}, "series": [{"name", "label", "unit",
+    "profile", "spectrum", "poincare", "sweep"), "title", "x": {"label", "unit", "log", "least",
+    "period", "turn"}, "y": {"label", "unit", "log", "least"}, "series": [{"name", "label", "unit",
     "period", "turn"}], "window": s, "wrapped"}; log: whether the axis is logarithmic; least: of
     what moves by less, the scale is that of this; period: by what a quantity jumps; turn: the whole
     turn of an angle, 0 if it has none; wrapped: whole turns are not shown.
-    Events: "removed" {id}, "moved" {ids} (all, in the new order), "wrapped" {id, wrapped}. They are
+    dashed: whether a curve of a sweep is. Events: "removed" {id}, "picked" {id, row} (of a sweep, a
+    click on a row), "moved" {ids} (all, in the new order), "wrapped" {id, wrapped}. They are
     taken up in specs before a handler is called.
     Rows that come before their plot are kept for it.
     """
@@ -217,6 +218,10 @@ class Plots(Element, component=STATIC / "plots.js"):
         self._props["specs"] = specs
         self.update()
 
+    def draw(self, plot: str, rows: list[float | None], marks: list[float]) -> None:
+        """Draw the rows of a sweep, and lines at some values."""
+        self.run_method("sweep", plot, rows, marks)
+
     def drop(self, plot: str) -> None:
         """Remove the plot of this id, if it is there."""
         self.set_specs([spec for spec in self.specs if spec["id"] != plot])
@@ -231,6 +236,9 @@ class Plots(Element, component=STATIC / "plots.js"):
 
     def on_remove(self, handler: Callable[[str], None]) -> None:
         _listen(self, "removed", ["id"], lambda e: handler(str(e["id"])))
+
+    def on_pick(self, handler: Callable[[str, int], None]) -> None:
+        _listen(self, "picked", ["id", "row"], lambda e: handler(str(e["id"]), int(e["row"])))
 
     def on_move(self, handler: Callable[[list[str]], None]) -> None:
         _listen(self, "moved", ["ids"], lambda e: handler([str(plot) for plot in e["ids"]]))

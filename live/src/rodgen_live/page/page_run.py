@@ -20,6 +20,7 @@ from nicegui.element import Element
 from rodgen.errors import InputError
 from rodgen.scene import Scene, Structure
 from rodgen.system import System
+from rodgen_live.page.sweep_diagram import Diagram
 from rodgen_live.run.live_run import LiveRun
 from rodgen_live.run.scene_text import SceneFolder, edited_text
 
@@ -67,6 +68,7 @@ class PageRun:
         self.run, self.client, self.root, self.tab = run, client, root, tab
         self.folder = folder
         self.panels: tuple[Panel, ...] = ()
+        self.diagrams: dict[str, Diagram] = {}  # of sweeps, among the plots
         self._make, self._making = make, asyncio.Lock()
 
     @property

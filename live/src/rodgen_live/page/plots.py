@@ -58,6 +58,8 @@ class PlotsPanel:
         self.grid.on_remove(self._remove)
         self.grid.on_move(self._arrange)
         self.grid.on_wrap(self._wrap)
+        self.grid.on_pick(self._pick)
+        self._drawn: dict[str, object] = {}  # of diagrams: what the page has
         if not page.run.plots and not page.run.greeted:
             for choice in first_plots(self.catalogue):
                 page.submit(partial(page.run.add_plot, choice))
@@ -72,9 +74,16 @@ class PlotsPanel:
         lost, self.page.run.unplotted = self.page.run.unplotted, ()
         if lost:
             self.page.notify(f"No longer plotted, as this scene has none: {', '.join(lost)}")
+        diagrams = self.page.diagrams
         specs = [plot.to_json() for plot in list(self.page.run.plots.values())]
+        specs += [one.spec for one in diagrams.values()]
         if specs != self.grid.specs:
             self.grid.set_specs(specs)
+        now = {name: (one.rows, one.marks) for name, one in diagrams.items()}
+        for name, drawn in now.items():
+            if drawn != self._drawn.get(name):
+                self.grid.draw(name, *drawn)
+        self._drawn = now
 
     async def add(self, choice: dict[str, Any]) -> None:
         """Add a plot. Raises InputError."""
@@ -93,10 +102,15 @@ class PlotsPanel:
         await self.page.call(add)
 
     def _remove(self, name: str) -> None:
+        self.page.diagrams.pop(name, None)
         self.page.submit(lambda: self.page.run.remove_plot(name))
 
     def _wrap(self, name: str, wrapped: bool) -> None:
         self.page.submit(lambda: self.page.run.wrap_plot(name, wrapped))
+
+    def _pick(self, name: str, row: int) -> None:
+        if (one := self.page.diagrams.get(name)) and row < len(one.points):
+            self.page.start_task(one.take(one.points[row]))
 
     def _arrange(self, ids: list[str]) -> None:
         self.page.submit(lambda: self.page.run.arrange_plots(ids))

@@ -1,4 +1,5 @@
-"""Sweep of a number over a range beside its slider: stability of the rod, and its equilibria."""
+"""Sweep of a number over a range beside its slider: stability of the rod, and its equilibria, as
+plots of the page."""
 
 from __future__ import annotations
 
@@ -8,26 +9,22 @@ from contextlib import suppress
 from typing import Any
 
 from nicegui import ui
-from nicegui.events import GenericEventArguments
 
 from rodgen.errors import InputError
 from rodgen.system import System
 from rodgen_live.page.fields import Entry, format_number, parse_number
 from rodgen_live.page.page_run import PageRun
-from rodgen_live.page.sweep_picture import HEIGHT, WIDTH, Diagram, SweepPoint, diagrams_svg
+from rodgen_live.page.sweep_diagram import Diagram, SweepPoint
 from rodgen_live.run.scene_edits import SceneField
 from rodgen_live.run.worker_process import ASIDE, Answer, PendingRequest
 
 STEPS = 200  # of the slider for the range
-CLICKED = """(event) => {
-    const box = event.currentTarget.querySelector("svg")?.getBoundingClientRect();
-    if (box) emit((event.clientX - box.left) / box.width, (event.clientY - box.top) / box.height);
-}"""
+KINDS = {"hopf": "flutter begins", "branch": "branch point", "fold": "fold"}
 
 
 class SweepPanel:
-    """The range, which is swept as soon as it is chosen, and the diagrams; a click on a point of
-    the stability map takes its value, on one of the equilibria its state as well."""
+    """The range, which is swept as soon as it is chosen, with its diagrams among the plots; a click
+    on a point of the stability map takes its value, on one of the equilibria its state as well."""
 
     def __init__(
         self,
@@ -52,8 +49,6 @@ class SweepPanel:
                     for at, (end, value) in enumerate(zip(("from", "to"), reach, strict=True))
                 ]
             self._note = ui.label().classes("rg-hint").props('role="status"')
-            self._picture = ui.html("", sanitize=False)
-            self._picture.on("click", self._on_click, js_handler=CLICKED)
         page.client.on_delete(self._cancel)
         self._clear()
         self._start()
@@ -68,6 +63,9 @@ class SweepPanel:
         self._cancel()
         self._mark(None)
         self._box.delete()
+        for one in (self._map, self._equilibria):
+            self.page.diagrams.pop(one.id, None)
+        self.page.refresh()
 
     def _cancel(self) -> None:
         """Cancel the computation."""
@@ -79,7 +77,7 @@ class SweepPanel:
         """Show the value that the scene has now."""
         if field.value != self.field.value:
             self.field = field
-            self._draw()
+            self._set_marks()
 
     # The range ---------------------------------------------------------------------------------
 
@@ -119,10 +117,11 @@ class SweepPanel:
     # What is computed --------------------------------------------------------------------------
 
     def _clear(self) -> None:
-        label = f"{self.field.label} [{self.field.unit}]" if self.field.unit else self.field.label
-        over = f"over {label}"
-        self._map = Diagram(f"largest growth rate [1/s] {over}", self.low, self.high)
-        self._equilibria = Diagram(f"deflection of the tip [m] {over}", self.low, self.high)
+        key, over = self.field.key, (self.field.label, self.field.unit)
+        up = {"growth": ("largest growth rate", "1/s"), "tip": ("deflection of the tip", "m")}
+        self._map, self._equilibria = (
+            Diagram(f"{key}/{name}", label, over, self._apply_point) for name, label in up.items()
+        )
         self._critical: float | None = None
         self._special: list[Any] = []
         self._said = ""
@@ -150,7 +149,7 @@ class SweepPanel:
 
     def _receive(self, answer: Answer, request: object) -> None:
         """Take up a part of the answer to the last request."""
-        if request is not self._waits or self._picture.is_deleted:
+        if request is not self._waits or self._note.is_deleted:
             return
         part: dict[str, Any] = answer.value or {}
         for value, growth, _, stable in part.get("rows", ()):
@@ -181,24 +180,23 @@ class SweepPanel:
         if self._critical is not None:
             change = f"up to {self._critical:.4g} {self.field.unit}".rstrip()
         when = f", loads as at t = {self._t:.3g} s" if self.page.scene.time_dependent_loads else ""
-        return "; ".join(filter(None, (f"straight{when}: {words} {change}", self._said)))
+        special = (f"{KINDS.get(kind, kind)} at {value:.5g}" for value, kind in self._special)
+        said = f"straight{when}: {words} {change}", *special, self._said
+        return "; ".join(filter(None, said))
 
     def _draw(self) -> None:
-        shown = [one for one in (self._map, self._equilibria) if one.points]
-        at = self.field.value, self._critical, self._special
-        self._picture.set_content(diagrams_svg(shown, self.name, *at) if shown else "")
+        """Show the diagrams that have points among the plots."""
+        self._set_marks()
+        for one in (self._map, self._equilibria):
+            if one.points:
+                self.page.diagrams[one.id] = one
+        self.page.refresh()
 
-    # What is clicked ---------------------------------------------------------------------------
-
-    async def _on_click(self, event: GenericEventArguments) -> None:
-        shown = [one for one in (self._map, self._equilibria) if one.points]
-        x, y = (float(share) for share in event.args)
-        number, down = divmod(y * len(shown) * HEIGHT, HEIGHT)
-        if not shown or not 0 <= number < len(shown):
-            return
-        point = shown[int(number)].nearest(x * WIDTH, down)
-        if point is not None:
-            await self._apply_point(point)
+    def _set_marks(self) -> None:
+        """Mark the present value and the critical one."""
+        values = [self.field.value, self._critical]
+        for one in (self._map, self._equilibria):
+            one.marks = [value for value in values if value is not None]
 
     async def _apply_point(self, point: SweepPoint) -> None:
         changes = self.field.changes(point.value)

@@ -3,7 +3,7 @@
 import { Chart, colours, entry, MANY } from "./chart.js";
 import { Marks } from "./chart_marks.js";
 import { Gestures } from "./chart_pointer.js";
-import { Curves, PLANE } from "./curves.js";
+import { Curves, PLANE, SEVERAL } from "./curves.js";
 import { button, make, named, relabel, save } from "./dom.js";
 import { theme } from "./theme.js";
 
@@ -14,7 +14,8 @@ export class Card {
   draws = 0;
   cost = 0; // of a drawing, in milliseconds
 
-  // `on`: remove(), changed(), looked(time or null), zoomed(view), wrapped(whether).
+  // `on`: remove(), changed(), looked(time or null), zoomed(view), wrapped(whether),
+  // picked(row); marks: gives values to mark, or nothing.
   constructor(spec, on) {
     Object.assign(this, { spec, on });
     this.curves = new Curves(spec);
@@ -77,7 +78,10 @@ export class Card {
       looked: (t) => this.looked(t),
     });
     this.gestures = new Gestures(this);
-    this.marks = new Marks(this.chart);
+    this.marks = new Marks(this.chart, this.on.marks);
+    this.chart.plot.over.addEventListener("click", () => {
+      if (this.spec.kind === "sweep" && this.chart.found !== null) this.on.picked(this.chart.found);
+    });
     this.sizes = new ResizeObserver(() => {
       this.chart.resize();
       this.changed();
@@ -165,7 +169,7 @@ export class Card {
   #names() {
     const shades = colours(this.spec);
     const { series, kind } = this.spec;
-    if (kind !== "time" || series.length < 2) return [];
+    if (!SEVERAL.includes(kind) || series.length < 2) return [];
     const words = series.map((one) => entry(this.spec, one));
     if (series.length <= MANY) {
       const line = (colour) => make("i", { style: `background:${colour}`, "aria-hidden": "true" });
@@ -235,7 +239,7 @@ const TIME = { label: "t", unit: "s" };
 function csv(spec, rows, end) {
   const curves = spec.series.map(({ name, unit }) => ({ label: name, unit: unit ?? spec.y.unit }));
   const plane = PLANE.includes(spec.kind) ? [TIME] : [];
-  const columns = spec.kind === "time" ? [spec.x, ...curves] : [...plane, spec.x, spec.y];
+  const columns = SEVERAL.includes(spec.kind) ? [spec.x, ...curves] : [...plane, spec.x, spec.y];
   const head = columns.map(({ label, unit }) => titled(label, unit));
   const lines = [head.join(",")];
   for (let row = rows.first; row < end; row++) {
@@ -253,7 +257,7 @@ const SMALL = `12px ${FONT}`;
 // `chart`: a canvas with the picture at twice its size; kept: whether a run that is kept is in it;
 // a canvas.
 function picture(spec, chart, kept) {
-  const listed = spec.series.length > 1 && spec.series.length <= MANY && spec.kind === "time";
+  const listed = spec.series.length > 1 && spec.series.length <= MANY && SEVERAL.includes(spec.kind);
   const top = (listed || kept ? 50 : 30) * DENSE;
   const canvas = document.createElement("canvas");
   Object.assign(canvas, { width: chart.width, height: chart.height + top });

@@ -1,6 +1,6 @@
 // One picture by uPlot: curves between given ends, and the place that is looked at.
 
-import { PLANE } from "./curves.js";
+import { PLANE, SEVERAL } from "./curves.js";
 import { make } from "./dom.js";
 import { dots, straight, trace } from "./paths.js";
 import { lowest } from "./rows.js";
@@ -18,7 +18,7 @@ const [DASH, PALE] = [[5, 4], 0.75]; // of the run that is kept
 
 export function colours(spec) {
   const { series, along } = theme();
-  const count = spec.kind === "time" ? spec.series.length : 1;
+  const count = SEVERAL.includes(spec.kind) ? spec.series.length : 1;
   return count > MANY ? classes(along, count) : series.slice(0, Math.max(count, 1));
 }
 
@@ -146,24 +146,24 @@ export class Chart {
     const dense = this.#dense;
     const width = (series.length > MANY ? 1 : 1.6) * dense;
     const shade = (k) => () => colours(this.spec)[k];
+    const dash = DASH.map((pixels) => pixels * dense);
     const dot = (size, fill) => {
       return { auto: false, width, stroke: null, fill, paths: dots(size * dense * devicePixelRatio) };
     };
     const curve = (one, k) => {
       if (kind === "poincare") return dot(DOT, shade(k));
       const paths = (...asked) => {
-        const leaps = kind === "phase" || (kind === "time" && one.period);
+        const leaps = ["phase", "sweep"].includes(kind) || (kind === "time" && one.period);
         return (leaps ? trace(x.period, one.period) : straight)(...asked);
       };
-      return { auto: false, width, stroke: shade(k), paths };
+      return { auto: false, width, stroke: shade(k), paths, dash: one.dashed ? dash : [] };
     };
     const ring = { fill: null, paths: dots(RING * dense * devicePixelRatio, true) };
-    const dash = DASH.map((pixels) => pixels * dense);
     const pale = (of, k) => {
       const look = kind === "poincare" ? { ...ring, stroke: shade(k) } : { dash };
       return { ...curve(of, k), ...look, alpha: PALE };
     };
-    const some = kind === "time" ? series : series.slice(0, 1);
+    const some = SEVERAL.includes(kind) ? series : series.slice(0, 1);
     const present = kind === "phase" ? [dot(PRESENT, () => theme().present)] : [];
     return [...some.map(curve), ...some.map(pale), ...present];
   }
@@ -218,16 +218,20 @@ export class Chart {
   // uPlot asks for the row under the cursor, curve by curve.
   #index(k) {
     if (k === 1 && this.#time === null) this.found = this.#under(this.plot.cursor);
-    return k > this.shown.up.length ? null : this.found;
+    const { up } = this.shown;
+    return Number.isFinite(up[k - 1]?.[this.found]) ? this.found : null;
   }
 
   #under({ left, top }) {
     const { across, up } = this.shown;
     if (!across.length) return null;
-    if (!this.plane) return nearest(across, this.plot.posToVal(left, "x"));
-    let [best, least] = [null, NEAR];
+    const back = (x, row) => row && x < across[row - 1];
+    const turns = this.spec.kind === "sweep" && across.some(back); // as branches do at folds
+    if (!this.plane && !turns) return nearest(across, this.plot.posToVal(left, "x"));
+    let [best, least] = [null, turns ? Infinity : NEAR];
     for (let row = 0; row < across.length; row++) {
-      const [x, y] = this.place(across[row], up[0][row]);
+      const height = up.find((values) => Number.isFinite(values[row])) ?? up[0];
+      const [x, y] = this.place(across[row], height[row]);
       const distance = Math.hypot(x - left, y - top);
       if (distance < least) [best, least] = [row, distance];
     }

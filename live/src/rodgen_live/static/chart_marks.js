@@ -1,4 +1,4 @@
-// Lines in a plot over time where the run was changed or kicked.
+// Lines in a plot over time where the run was changed or kicked, in that of a sweep at some values.
 
 import { make } from "./dom.js";
 import { hub } from "./hub.js";
@@ -6,18 +6,19 @@ import { hub } from "./hub.js";
 export class Marks {
   #places = [];
 
-  constructor(chart) {
-    this.chart = chart;
+  // `values`: gives those to mark, else marks are those of the time line.
+  constructor(chart, values = () => null) {
+    Object.assign(this, { chart, values });
     this.box = make("div", { class: "rodgen-marks", "aria-hidden": "true" });
     chart.plot.over.append(this.box);
   }
 
   show() {
     const { chart } = this;
-    if (chart.spec.kind !== "time") return;
+    const changes = chart.spec.kind === "time" ? hub.past.marks.map(([t]) => t) : [];
     const [from, to] = chart.shown.x;
-    const seen = hub.past.marks.filter(([t]) => t >= from && t <= to);
-    const places = seen.map(([t]) => Math.round(chart.place(t, 0)[0]));
+    const seen = (this.values() ?? changes).filter((value) => value >= from && value <= to);
+    const places = seen.map((value) => Math.round(chart.place(value, 0)[0]));
     if (places.join() === this.#places.join()) return;
     this.#places = places;
     this.box.replaceChildren(...places.map((x) => make("i", { style: `left:${x}px` })));

@@ -2,6 +2,7 @@
 
 import { act, listen, make, placeOf, turned } from "./dom.js";
 import { MANY, nearest } from "./chart.js";
+import { SEVERAL } from "./curves.js";
 import { short } from "./scales.js";
 
 const MOUSE = { pointerdown: "mousedown", pointermove: "mousemove", pointerup: "mouseup" };
@@ -86,10 +87,11 @@ export class Gestures {
   #lines(row, { times, across, up, ghost }) {
     const { spec } = this.card;
     const said = ({ label, unit }, value) => `${label} = ${short(value, 5)} ${unit ?? ""}`.trim();
-    const curves = spec.kind === "time" ? spec.series : [spec.y];
-    const some = curves.length > MANY ? [this.#nearest(row, up)] : curves.keys();
+    const curves = SEVERAL.includes(spec.kind) ? spec.series : [spec.y];
+    const some = curves.length > MANY ? [this.#nearest(row, up)] : [...curves.keys()];
+    const seen = some.filter((k) => spec.kind !== "sweep" || Number.isFinite(up[k][row]));
     const kept = spec.kind === "time" ? beside(ghost, across[row]) : null;
-    const values = [...some].map((k) => {
+    const values = seen.map((k) => {
       const { name, label = name, unit } = curves[k];
       const other = kept === null ? "" : ` (kept: ${short(ghost.up[k][kept], 5)})`;
       return said({ label, unit: unit ?? spec.y.unit }, up[k][row]) + other;

@@ -7,7 +7,8 @@ const ORBIT = 5000; // rows of a phase plot
 
 const AWAY = 0.75; // turns that the mean of a curve may be away from those taken off, before others are
 const DEEPEST = 1e-9; // of the largest amplitude, below which a logarithmic axis shows none
-const REPLACED = ["profile", "spectrum"];
+const REPLACED = ["profile", "spectrum", "sweep"];
+export const SEVERAL = ["time", "sweep"]; // plots of more than one curve
 export const PLANE = ["phase", "poincare"];
 
 export class Curves {
@@ -27,7 +28,7 @@ export class Curves {
     this.plane = PLANE.includes(spec.kind);
     this.replaced = REPLACED.includes(spec.kind);
     this.x = this.plane ? 1 : 0; // the column of x; in the plane, time stands before it
-    this.columns = this.x + 1 + (spec.kind === "time" ? spec.series.length : 1);
+    this.columns = this.x + 1 + (SEVERAL.includes(spec.kind) ? spec.series.length : 1);
     this.rows = this.shown = new Rows(this.columns); // not the same while the picture stands
     this.ghost = new Rows(this.columns);
   }
@@ -54,6 +55,7 @@ export class Curves {
 
   // The run has begun anew, and is shown so; a picture that is paused or zoomed keeps the run before.
   restart() {
+    if (this.spec.kind === "sweep") return; // it is of no run
     this.rows = new Rows(this.columns);
     this.former ||= this.#holds && this.shown.length > 0;
     if (!this.still) this.#follow();

@@ -53,6 +53,7 @@ export default {
     this.cards = new Map();
     this.early = new Map();
     this.pointed = false; // whether a pointer is at a time of some plot
+    this.marks = new Map(); // values that are marked in sweeps, by plot
     this.kept = new Map(); // rows of the run that is kept, by plot
     this.queue = new Queue();
     this.glance = new Glance(hub.past);
@@ -100,6 +101,8 @@ export default {
       const card = new Card(JSON.parse(JSON.stringify(spec)), {
         remove: () => this.removed(id),
         changed: () => hub.repaint(),
+        picked: (row) => this.$emit("picked", { id, row }),
+        marks: () => this.marks.get(id),
         looked: (t) => {
           this.pointed = t !== null;
           this.glance.at(t);
@@ -139,6 +142,12 @@ export default {
       }
       const kept = replace ? [] : (this.early.get(id) ?? []).slice(1 - EARLY);
       this.early.set(id, [...kept, [values, replace]]);
+    },
+    // Rows of a sweep, of which null is no number.
+    sweep(id, rows, marks) {
+      this.marks.set(id, marks);
+      this.take(id, rows.map((one) => one ?? NaN), true);
+      hub.repaint();
     },
     removed(id) {
       const ids = [...this.cards.keys()];

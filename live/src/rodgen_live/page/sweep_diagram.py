@@ -1,0 +1,62 @@
+"""Diagrams of a sweep as plots of the page: a curve over the number that is swept, solid where the
+rod is stable and dashed where it is not."""
+
+from __future__ import annotations
+
+from collections.abc import Awaitable, Callable, Sequence
+from dataclasses import dataclass, field
+from typing import Any, NamedTuple
+
+SERIES = "stable", "not stable"
+
+
+class SweepPoint(NamedTuple):
+    """A point of a diagram; stable: None where that is not known; state: the equilibrium."""
+
+    value: float
+    height: float
+    stable: bool | None
+    state: Sequence[float] = ()
+
+
+@dataclass
+class Diagram:
+    """Points along a curve. id: of the plot; up, over: label and unit of the axes; take: called
+    with a point that was clicked; marks: values that are marked."""
+
+    id: str
+    up: tuple[str, str]
+    over: tuple[str, str]
+    take: Callable[[SweepPoint], Awaitable[None]]
+    points: list[SweepPoint] = field(default_factory=list)
+    marks: list[float] = field(default_factory=list)
+
+    @property
+    def spec(self) -> dict[str, Any]:
+        """Specification of the plot (see elements.Plots)."""
+        axis = {"log": False, "least": 0.0, "period": 0.0, "turn": 0.0}
+        series = [
+            {**axis, "name": name, "label": name, "unit": self.up[1], "dashed": name != SERIES[0]}
+            for name in SERIES
+        ]
+        return {
+            "id": self.id,
+            "kind": "sweep",
+            "title": f"{self.up[0]} over {self.over[0]}",
+            "x": {**axis, "label": self.over[0], "unit": self.over[1]},
+            "y": {**axis, "label": self.up[0], "unit": self.up[1]},
+            "series": series,
+            "window": 0.0,
+            "wrapped": False,
+        }
+
+    @property
+    def rows(self) -> list[float | None]:
+        """Rows for the page, one after the other: the value, and the height in one of two columns,
+        dashed as far as the next point that is stable."""
+        stable = [point.stable is True for point in self.points]
+        found: list[float | None] = []
+        for at, (value, height, *_) in enumerate(self.points):
+            dashed = not all(stable[max(at - 1, 0) : at + 2])
+            found += [value, height if stable[at] else None, height if dashed else None]
+        return found
