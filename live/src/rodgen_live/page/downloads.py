@@ -31,15 +31,16 @@ class PageGoneError(Exception):
 class DownloadsPanel:
     """Buttons to save; a file that takes long is made in a thread while the run goes on."""
 
-    def __init__(self, page: PageRun):
-        self.page = page
+    def __init__(self, page: PageRun, export: Callable[[Solution, Path], object]):
+        """Build the panel; export: writes a solution as a page, a folder."""
+        self.page, self._export = page, export
         heading("Save")
         with ui.element("div").classes("rg-save"):
             for text, icon, clicked in (
                 ("Scene as TOML", "description", self._save_scene),
                 ("Run as NetCDF", "save", self._save_run),
                 ("Film as MP4", "movie", lambda: self._ask_span("mp4", _make_film)),
-                ("Page without a server", "web", lambda: self._ask_span("zip", _make_page)),
+                ("Page without a server", "web", lambda: self._ask_span("zip", self._make_page)),
                 ("Link to what is shown", "link", self._make_link),
             ):
                 ui.button(text, icon=icon, on_click=clicked).props("flat no-caps align=left")
@@ -79,6 +80,10 @@ class DownloadsPanel:
     async def _samples(self) -> Solution:
         """Samples of the run up to now; what comes later does not change them."""
         return await self.page.call(self.page.run.solution)
+
+    def _make_page(self, solution: Solution, path: Path, _: Progress) -> None:
+        self._export(solution, path.with_suffix(""))
+        shutil.make_archive(str(path.with_suffix("")), "zip", path.parent, path.stem)
 
     async def _save_run(self) -> None:
         await self._download(await self._samples(), "nc", lambda run, path, _: run.save(path))
@@ -181,10 +186,3 @@ def _make_film(solution: Solution, path: Path, progress: Progress) -> None:
 
     start, span = float(solution.t[0]), float(np.ptp(solution.t))
     animate(solution, path, progress=lambda t: progress((t - start) / span))
-
-
-def _make_page(solution: Solution, path: Path, _: Progress) -> None:
-    from rodgen_live.page.export import export
-
-    export(solution, path.with_suffix(""))
-    shutil.make_archive(str(path.with_suffix("")), "zip", path.parent, path.stem)

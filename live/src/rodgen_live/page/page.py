@@ -16,6 +16,7 @@ from rodgen.model.palette import DARK, LIGHT
 from rodgen.scene import Scene
 from rodgen_live.page.downloads import DownloadsPanel
 from rodgen_live.page.elements import Aria, Channel, style_sheet
+from rodgen_live.page.export import export
 from rodgen_live.page.module_builder import BuildProgress, ModuleBuilder
 from rodgen_live.page.page_run import PANEL, VIEW, PageRun, Panel, notify
 from rodgen_live.page.plots import PlotsPanel
@@ -53,7 +54,7 @@ TABS: dict[str, Callable[[PageRun], Panel]] = {
     "Parameters": ParametersPanel,
     "Scene": StructurePanel,
     "Text": TextPanel,
-    "Save": DownloadsPanel,
+    "Save": partial(DownloadsPanel, export=export),
 }
 
 
@@ -156,7 +157,7 @@ class Page:
                 with ui.element("aside").classes("rg-right") as aside:
                     aside.props('aria-label="Values and settings" tabindex=0')
                     tabs = _tabs(page)
-        page.panels = (bar, rod, line, plots, *tabs)
+        page.panels = (bar, rod, line, *tabs, plots)
         loop = asyncio.get_running_loop()
 
         def refresh_page() -> None:

@@ -79,11 +79,10 @@ class PlotsPanel:
         specs += [one.spec for one in diagrams.values()]
         if specs != self.grid.specs:
             self.grid.set_specs(specs)
-        now = {name: (one.rows, one.marks) for name, one in diagrams.items()}
-        for name, drawn in now.items():
-            if drawn != self._drawn.get(name):
-                self.grid.draw(name, *drawn)
-        self._drawn = now
+        for name, one in diagrams.items():
+            if (one.rows, one.marks) != self._drawn.get(name):
+                self.grid.draw(name, one.rows, one.marks)
+        self._drawn = {name: (one.rows, one.marks) for name, one in diagrams.items()}
 
     async def add(self, choice: dict[str, Any]) -> None:
         """Add a plot. Raises InputError."""

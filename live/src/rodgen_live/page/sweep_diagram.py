@@ -3,7 +3,7 @@ rod is stable and dashed where it is not."""
 
 from __future__ import annotations
 
-from collections.abc import Awaitable, Callable, Sequence
+from collections.abc import Callable, Coroutine, Sequence
 from dataclasses import dataclass, field
 from typing import Any, NamedTuple
 
@@ -27,7 +27,7 @@ class Diagram:
     id: str
     up: tuple[str, str]
     over: tuple[str, str]
-    take: Callable[[SweepPoint], Awaitable[None]]
+    take: Callable[[SweepPoint], Coroutine[Any, Any, None]]
     points: list[SweepPoint] = field(default_factory=list)
     marks: list[float] = field(default_factory=list)
 

@@ -276,6 +276,7 @@ class ParametersPanel:
         kinds = [(key, field.value is None) for key, field in fields.items()]
         if kinds != self._kinds:
             self._kinds = kinds
+            self.page.diagrams.clear()  # of sweeps, which go with their knobs
             self._box.clear()
             with self._box:
                 self._knobs = {key: Knob(self.page, field) for key, field in fields.items()}
