@@ -63,6 +63,7 @@ class RodPanel:
         )
         tool = ui.toggle(list(TOOLS), value=PULL).props('dense no-caps unelevated role="group"')
         tool.props('aria-label="What dragging from a link does"').classes("rg-tool")
+        tool.props("toggle-color=none toggle-text-color=none")  # as other buttons that are pressed
         tool.on_value_change(lambda event: self.canvas.set_props(tool=event.value))
         with IconButton("tune", TUNED), ui.menu().props(MENU % TUNED).classes("rg-tuned"):
             self.per_metre = Entry("kick [N s] per metre dragged", "", self._put_strength)
