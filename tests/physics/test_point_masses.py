@@ -110,3 +110,24 @@ def test_velocities_of_the_tail_and_of_the_centre(boundary: str, away: float) ->
     np.testing.assert_allclose(motion.values("tip_velocity"), moved + tail, atol=1e-8)
     centre = moved + masses @ speeds / masses.sum()
     np.testing.assert_allclose(motion.values("centre_velocity"), centre, atol=1e-8)
+
+
+@pytest.mark.parametrize("boundary", HOLDS)
+def test_deflection_of_the_tail_is_seen_from_the_start(boundary: str) -> None:
+    """In a frame that turns with the clamp or the first link, all angles and rates are relative."""
+    scene = _scene(boundary)
+    model = build(scene, "numpy")
+    y = np.random.default_rng(6).normal(size=len(model.STATE))
+    base, half = 2 * scene.boundary_condition.translates, len(y) // 2
+    first = scene.boundary_condition.first
+    phi = np.append(np.full(first, 0.3), y[base:half])
+    omega = np.append(np.zeros(first), y[half + base :])
+    held = scene.boundary_condition.is_clamped
+    seen = np.exp(1j * (phi - (0.3 if held else phi[0])))
+    turning = omega - (0.0 if held else omega[0])
+    motion = MotionSlice(model, model.parameters(**scene.parameters), y)
+    due = L / LINKS * seen.sum().imag
+    assert motion.values("tail_deflection") == pytest.approx(due, abs=1e-12)
+    due = L / LINKS * (1j * turning * seen).sum().imag
+    # As that of the tail's velocity.
+    assert motion.values("tail_deflection_rate") == pytest.approx(due, abs=1e-8)

@@ -281,6 +281,22 @@ def _velocity(motion: Motion, function: str, *at: int) -> Array:
     return found + y[..., half : half + 2] if base else found
 
 
+def _tail_deflections(motion: Motion) -> Array:
+    """Distance of the tail from the line of the clamp or of the first link, and its rate, (..., 2):
+    that line turns with the link."""
+    boundary, joints = motion.boundary_condition, motion.values("joints")
+    angle, turning = motion.values("phi")[..., 0], motion.values("omega")[..., 0]
+    if boundary.is_clamped:
+        angle, turning = np.asarray(_clamp_angle(motion)), np.zeros(())
+    x, y = np.moveaxis(joints[..., -1, :] - joints[..., 0, :], -1, 0)
+    vx, vy = np.moveaxis(motion.values("tip_velocity"), -1, 0)
+    if boundary.translates:
+        base = motion.values("base_velocity")
+        vx, vy = vx - base[..., 0], vy - base[..., 1]
+    c, s = np.cos(angle), np.sin(angle)
+    return np.stack((y * c - x * s, vy * c - vx * s - turning * (x * c + y * s)), axis=-1)
+
+
 def _balance(motion: Motion) -> Array:
     gained = motion.values("total_energy") - motion.start_energy
     balance: Array = gained - motion.values("total_work") - motion.energy_input
@@ -322,6 +338,9 @@ FORMULAS: dict[str, Callable[[Motion], Any]] = {
     "joints": _of_states("joints"),
     "tip": lambda motion: motion.values("joints")[..., -1, :],
     "tip_velocity": lambda motion: _velocity(motion, "joints", -1),
+    "tail_deflections": _tail_deflections,  # with its rate, (..., 2)
+    "tail_deflection": _of_part("tail_deflections", 0),
+    "tail_deflection_rate": _of_part("tail_deflections", 1),
     "centre_of_gravity": _of_states("centre_of_gravity"),
     "centre_velocity": lambda motion: _velocity(motion, "centre_of_gravity"),
     "bending_moments": _of_states("bending_moments"),
