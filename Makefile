@@ -104,7 +104,7 @@ check-all: test check .check-nightly .check-faults
 	$(MAKE) ONLY= VENV=build/newest LOCK= STRICT=1 test check .check-nightly
 
 .check-lowest: $(VENV)/developing
-	@mkdir -p build && $(call compile,--resolution lowest-direct,"-e .[dev]",build/lowest.lock)
+	@mkdir -p build && $(call compile,--resolution lowest-direct,"-e .[dev]" "-e live[dev]",build/lowest.lock)
 	$(MAKE) ONLY= VENV=build/lowest LOCK=build/lowest.lock test
 
 # What pip installs, alone in an environment, away from the clone; on Windows too, without a C compiler.

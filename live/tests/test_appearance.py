@@ -15,14 +15,13 @@ import numpy as np
 import pytest
 
 from live.tests.conftest import SCENES, WIDE, make
-from live.tests.view import View, expect
+from live.tests.view import View, expect, until
 from rodgen.model.palette import DARK, LIGHT, colours_of, series_pair
 from rodgen.model.term import DAMPER
 from rodgen.model.terms import ROWS
 from rodgen.scene import Scene
 from rodgen.show.precision_pictures import OURS, own_style
-from rodgen_live.page.elements import ICONS, LIBRARY
-from rodgen_live.page.nicegui_assets import icon_font
+from rodgen_live.page.elements import ICONS, LIBRARY, icon_font
 
 PICTURE = Path(__file__).parents[2] / "docs" / "pictures" / "live.png"
 PHONE = {"width": 390, "height": 844}
@@ -57,7 +56,8 @@ def test_nothing_keeps_anybody_from_the_page(view: View) -> None:
 def test_page_shows_a_rod(serve: Any, blank: View, pytestconfig: pytest.Config) -> None:
     """All of it, within its picture. --update keeps one of the page."""
     make(Scene.from_toml(SCENES / "missile.toml").structure)
-    blank.open(serve(SCENES / "missile.toml").address).pause_after(3.0)
+    # Less than the span of the scene, 3 s, at the end of which it begins again.
+    blank.open(serve(SCENES / "missile.toml").address).pause_after(2.5)
     box = blank.page.get_by_role("img", name="missile").bounding_box()
     joints = np.reshape(blank.live("live.joints"), (-1, 2))
     assert len(joints) == 21
@@ -112,6 +112,18 @@ def test_nothing_keeps_anybody_from_any_state(
     view = blank.open(server.address)
     found = {state: grave(view) for state in states(view)}
     assert not any(found.values()), found
+
+
+@pytest.mark.nightly
+def test_field_in_focus_is_not_behind_the_rod_on_a_phone(server: Any, blank: View) -> None:
+    blank.page.set_viewport_size(PHONE)
+    view = blank.open(server.address)
+    rod = view.page.locator(".rg-rod").bounding_box()
+    below = rod["y"] + rod["height"]
+    view.page.locator(".rg-plots").evaluate("plots => plots.scrollIntoView()")
+    view.field("mass M").focus()
+    place = view.field("mass M").bounding_box
+    until(lambda: place()["y"], lambda y: y >= below, "behind the rod")
 
 
 LIVE = Path(__file__).parents[1] / "src" / "rodgen_live"

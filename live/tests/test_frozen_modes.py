@@ -10,8 +10,7 @@ import pytest
 import rodgen
 from rodgen.errors import InputError
 from rodgen.scene import Scene
-from rodgen_live.run.frozen_modes import frozen_modes
-from rodgen_live.run.worker_main import MOST_LINKS, WORKS
+from rodgen_live.run.worker_main import MOST_LINKS, WORKS, frozen_modes
 from tests.palette import ROD
 
 

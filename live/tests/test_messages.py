@@ -16,9 +16,9 @@ from rodgen.scene import Scene
 from rodgen_live.open_run import Live
 from rodgen_live.page import elements
 from rodgen_live.run import page_state
-from rodgen_live.run.change_marks import ChangeMarks
-from rodgen_live.run.message import LONGEST_TRAIL, Trail, rod_arrays
-from rodgen_live.run.page_state import AHEAD, PageState
+from rodgen_live.run.change_history import ChangeMarks
+from rodgen_live.run.message import rod_arrays
+from rodgen_live.run.page_state import AHEAD, LONGEST_TRAIL, PageState
 from rodgen_live.sample_store import Chunk, SampleStore
 from tests.palette import ROD
 
@@ -40,14 +40,14 @@ class Stepped:
         live.restart()
         self.store = SampleStore(live.states, live.works, live.energy_start)
         self.store.set_parameters(live.p, 0.0)
-        self.page.reset_run(self.plots)
+        self.page.resend(self)
         self.to(0.0)
 
     def to(self, t: float) -> None:
         """Samples up to a time."""
         chunk = self.store.add(self.live.advance(t, 60.0))
         self.page_sample = chunk.last()
-        self.page.add_samples(self.plots, chunk)
+        self.page.add_samples(self, chunk)
 
     def run_status(self) -> None:
         """What texts are made of."""
@@ -139,19 +139,25 @@ def test_every_sample_since_the_last_message_is_in_the_trail(run: Stepped) -> No
 @pytest.mark.parametrize("changing", [False, True])
 def test_trail_of_a_page_that_does_not_answer_stays_short(run: Stepped, changing: bool) -> None:
     """Whether parameters are the same all the time, or others for every sample."""
-    chunk, trail, count = run.page_sample, Trail(), 2 * LONGEST_TRAIL
-    trail.pop(run.model, run.store)
+    chunk, count, got = run.page_sample, 2 * LONGEST_TRAIL, list[bytes]()
+    run.page.attach(got.append)
+    run.page.show(run)
+    run.page.acknowledge(1)
     for x in range(count):
         y = chunk.y.copy()
         y[:, 0] = x  # joint 0, and everything with it
         p = chunk.p.copy() if changing else chunk.p
-        trail.add(Chunk(chunk.t, y, chunk.work, chunk.works, p))
-    places = trail.pop(run.model, run.store)
+        run.page.add_samples(run, Chunk(chunk.t, y, chunk.work, chunk.works, p))
+    run.page.show(run)
+    places = decoded(got[-1])[1]["trail"].reshape(-1, 5)
     steps = np.diff(places[:, 0])
     assert LONGEST_TRAIL / 3 < len(places) <= LONGEST_TRAIL
     assert steps.min() > 0
     assert np.ptp(places[:, 0]) > 0.9 * count
-    assert not len(trail.pop(run.model, run.store))
+    run.page.invalidate()
+    run.page.acknowledge(2)
+    run.page.show(run)
+    assert not len(decoded(got[-1])[1]["trail"])
 
 
 # The rod, and the form of messages -------------------------------------------------------------

@@ -102,13 +102,13 @@ def test_expressions_are_not_kept_without_end(catalogue: Catalogue) -> None:
 
 
 def test_plot_of_an_expression_goes_over_to_another_rod(catalogue: Catalogue) -> None:
-    """As far as that has its quantities."""
+    """As far as that has its quantities; the tail's becomes the tail's there."""
     scene = Scene.from_dict(SHORT)
     after = Catalogue(scene, build_fastest(scene))
-    choice = {"id": "p1", "kind": "time", "y": ["phi_4 - phi_0", "phi_1 - phi_0", "phi_0"]}
+    choice = {"id": "p1", "kind": "time", "y": [f"phi_{k} - phi_0" for k in (4, 3, 1)]}
     moved = transfer(PlotSpec.from_dict(choice, catalogue), "p2", catalogue, after)
     assert moved is not None
-    assert moved.y == ("phi_1 - phi_0", "phi_0")
+    assert moved.y == ("phi_2 - phi_0", "phi_1 - phi_0")
 
 
 TWENTY = list(range(20))

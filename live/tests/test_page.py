@@ -15,9 +15,9 @@ import rodgen
 from live.tests.conftest import SCENE, make
 from live.tests.view import DIGITS, View, expect
 from rodgen.scene import Scene, Structure
-from rodgen_live.run.frozen_modes import frozen_modes
 from rodgen_live.run.link import Link
 from rodgen_live.run.live_run import LiveRun
+from rodgen_live.run.worker_main import frozen_modes
 
 pytestmark = pytest.mark.slow  # in a browser
 TIMES = 1e-9  # s: between times that are the same but for rounding
@@ -206,7 +206,7 @@ def test_sweep_finds_the_critical_force(view: View) -> None:
     expect(swept.get_by_role("status")).to_contain_text(f"stable up to {critical:.4g} N")
     view.button("Reset to").click()  # it is of no run
     view.sees("live.plots['loads.follower.force/growth'].seen === 41")
-    drawn = view.page.get_by_role("region", name="largest growth rate").locator("canvas")
+    drawn = view.page.get_by_role("region", name="largest growth").locator("canvas")
     drawn.scroll_into_view_if_needed()
     box = drawn.bounding_box()
     view.page.mouse.click(box["x"] + box["width"] - 16, box["y"] + box["height"] / 4)

@@ -76,7 +76,9 @@ def test_process_answers_what_is_not_dropped_and_is_started_again_where_it_died(
         for errand in [aside.submit("critical", SCENE, dropped.put) for _ in range(50)]:
             errand.cancel()
         aside.submit("critical", SCENE, told.put)
-        wanted = [Answer(rodgen.critical_load(SCENE).value), Answer(last=True)]
+        found = rodgen.critical_load(SCENE)
+        said = {"rows": dict(found.tables()[0].rows), "notes": [str(one) for one in found.notes]}
+        wanted = [Answer({"value": found.value, **said}), Answer(last=True)]
         assert told.all() == wanted
         assert dropped.empty()
         aside.submit("critical", SCENE, told.put)
@@ -117,11 +119,12 @@ def test_force_of_a_scene_that_changes_is_asked_for_once(
     assert [force for force, _ in asked] == [3.0]
     look(4.0)
     aside.cancel.assert_called_once_with(1)
-    asked[0][1](Answer(30.0))
+    asked[0][1](Answer({"value": 30.0}))
     assert (one.value, done) == (COMPUTING, [])
     clock.now += 1.0
     one.tick()
-    for answer in (Answer(40.0), Answer(last=True)):
+    found = {"value": 40.0, "rows": {"kind": "flutter"}, "notes": ["it is doubtful"]}
+    for answer in (Answer(found), Answer(last=True)):
         asked[1][1](answer)
     assert (one.value, done) == (40.0, [40.0])
 
@@ -144,14 +147,14 @@ def test_sweep_of_a_dead_load_has_its_equilibria_unless_they_are_straight() -> N
 )
 def test_number_in_an_expression_is_swept_as_a_load_of_that_size(text: str, at: int) -> None:
     """At a time when it is the load."""
-    key, ends = "loads.follower.force", (2.0, 9.0)
+    key, ends = "loads.follower.force", (2.0, 60.0)
     plain = Scene.from_dict(SHORT).replace({"loads.gravity.g": 0.0})
     timed = plain.replace({key: text})
     given, expected = (
-        np.array(next(sweep(scene, name, *ends, t=1.0))["rows"], dtype=float)
-        for scene, name in ((timed, f"{key}.{at}"), (plain, key))
+        np.array([row for part in parts for row in part.get("rows", ())], dtype=float)
+        for parts in (sweep(timed, f"{key}.{at}", *ends, t=1.0), sweep(plain, key, *ends, t=1.0))
     )
-    assert np.ptp(expected[:, 2]) > 0.005  # Hz: the number is felt
+    assert np.ptp(expected[:, 1]) > 0.1  # 1/s: the number is felt
     np.testing.assert_allclose(given, expected, rtol=1e-9)  # the same, but for rounding
 
 
@@ -211,8 +214,7 @@ def test_cancelled_making_ends_its_compiler(
     before = started()
     assert before
     assert not any(map(runs, before))
-    modules = ModuleBuilder()
-    modules.close()
+    modules = ModuleBuilder(lambda: True)
     with pytest.raises(InputError, match="module"):
         finished(modules.build(Structure(2, terms=()), quiet))
     assert started() == before

@@ -14,8 +14,9 @@ from live.tests.view import until
 from rodgen.errors import InputError
 from rodgen.scene import Scene
 from rodgen_live.open_run import FOR_LOOKING
-from rodgen_live.run.live_run import PAUSED, RUNNING, STOPPED, LiveRun
-from rodgen_live.run.page_state import AHEAD
+from rodgen_live.run.live_run import LiveRun
+from rodgen_live.run.page_state import AHEAD, TRAIL
+from rodgen_live.run.run_record import PAUSED, RUNNING, STOPPED
 from rodgen_live.run.run_thread import Pace
 
 
@@ -173,6 +174,6 @@ def test_rows_of_plots_that_are_gone_are_not_kept(run: LiveRun) -> None:
             does(run, lambda: run.add_plot({"kind": "time", "y": ["phi"]}))
         to(run, 10.0 * (k + 1))
         does(run, lambda: run.switch_to(SCENE))
-        assert set(run.page._rows) <= set(run.plots)
+        assert set(run.page._rows) <= {TRAIL, *run.plots}
     waiting = sum(part.size for parts in run.page._rows.values() for part in parts)
     assert waiting < len(run.plots) * 2**18 + 2**16

@@ -63,6 +63,8 @@ def test_refusals_stand_at_their_lines() -> None:
         ("at = 4.1", "at = 0.1"),
         ('force = "intorp', 'force = "interp'),
         ('phi = "up"', 'phi = "upright"'),
+        ('phi = "at line 999"', 'phi = "upright"'),
+        ("links\u00a0=", "links ="),
     ):
         lines = text.replace(right, wrong, 1)
         assert lines != text, right

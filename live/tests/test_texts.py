@@ -38,10 +38,9 @@ def shown(scene: Scene, y: Array | None = None, t: float = 0.0, **present: Any) 
     works = tuple(model.power(0.0, y, p)) if hasattr(model, "power") else ()
     work = np.arange(1.0, len(works) + 1)[None]
     chunk = Chunk(np.array([t]), y[None], work, works, p, given=present.pop("given", 0.0))
-    cost = {"counts": Counts(), "seconds": 0.0, **present}
-    return {
-        key: text.strip() for key, text in row_texts(scene, model, RunStatus(chunk, **cost)).items()
-    }
+    cost = {"counts": Counts(), "seconds": 0.0, "settings": scene.integrate, **present}
+    texts = row_texts(RunStatus(scene, model, chunk, **cost))
+    return {key: text.strip() for key, text in texts.items()}
 
 
 def numbers(text: str) -> Any:

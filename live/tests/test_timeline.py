@@ -11,8 +11,8 @@ from live.tests.conftest import SCENE, SHORT
 from live.tests.runs import Page, does, gets, to
 from live.tests.view import until
 from rodgen.scene import Scene
-from rodgen_live.page.answers import act_on_answer
-from rodgen_live.run.change_marks import MOST, ChangeMark, ChangeMarks
+from rodgen_live.page.server import act_on_answer
+from rodgen_live.run.change_history import MOST_MARKS, ChangeMark, ChangeMarks
 from rodgen_live.run.live_run import LiveRun
 
 
@@ -97,10 +97,10 @@ def test_marks_of_a_slider_are_one_and_bounded() -> None:
         ChangeMark(1.5, "mass = 3"),
         ChangeMark(2.0, "kick (0, 1) N s upon link 0"),
     )
-    for k in range(2 * MOST):
+    for k in range(2 * MOST_MARKS):
         marks.note(3.0 + k, f"kick {k}")
-    assert len(marks.every) == MOST
-    assert (marks.every[0].t, marks.every[-1].what) == (1.5, f"kick {2 * MOST - 1}")
+    assert len(marks.every) == MOST_MARKS
+    assert (marks.every[0].t, marks.every[-1].what) == (1.5, f"kick {2 * MOST_MARKS - 1}")
 
 
 NONE = (

@@ -99,7 +99,7 @@ def _escape_control_characters(text: str) -> str:
 
 
 def install_command(extra: str) -> str:
-    """The command that installs an extra, such as "view", as messages name it."""
+    """The command that installs an extra, such as "study", as messages name it."""
     return f'pip install ".[{extra}]" in a clone of rodgen'
 
 

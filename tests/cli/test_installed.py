@@ -77,7 +77,10 @@ EXTRAS = "imageio_ffmpeg,cffi,sksundae"
     ("command", "extra"),
     [("animate SCENE --out film.mp4", ".[film]"), ("run SCENE --target c", "cffi")],
 )
-def test_what_to_install_is_said(short: Path, work: Path, command: str, extra: str) -> None:
+def test_what_to_install_is_said(
+    short: Path, work: Path, monkeypatch: pytest.MonkeyPatch, command: str, extra: str
+) -> None:
+    monkeypatch.setenv("PATH", str(work))  # which may have an ffmpeg
     done = python(BLOCKED, EXTRAS, *command.replace("SCENE", str(short)).split())
     assert done.returncode == 2
     assert done.stderr.startswith("rodgen: ")

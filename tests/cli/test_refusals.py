@@ -168,7 +168,7 @@ def test_bad_input_exits_2_in_one_line(
     refused: Run, given: Given, work: Path, command: str
 ) -> None:
     if command == "view":
-        pytest.importorskip("nicegui", reason="the extra view is not installed")
+        pytest.importorskip("rodgen_live", reason="the live view is not installed")
     for field, lines in REFUSED[command].items():
         for line in lines:
             refused(command, *given(line), field=field)

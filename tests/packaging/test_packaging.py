@@ -77,6 +77,9 @@ def test_wheel_holds_the_tree(wheels: dict[str, Path], of: str) -> None:
                 expected.add(f"{package}/{path.relative_to(ROOT / folder).as_posix()}")
     assert packed == expected
     assert any(name.endswith(SCRIPTS) for name in packed) == (of == "live")
+    with zipfile.ZipFile(wheels[of]) as archive:
+        licences = [name for name in archive.namelist() if name.endswith("licenses/LICENSE")]
+        assert [archive.read(name) for name in licences] == [(ROOT / "LICENSE").read_bytes()]
     packages = ("derive/general.py", "templates/numpy/chain.py.jinja", "native/steps.c")
     assert of == "live" or {f"rodgen/{name}" for name in packages} <= packed
 

@@ -73,18 +73,11 @@ class GridRecorder(Recorder):
         many = max(0, min(self.count, until) - self._first)
         t = self._times(self._first, self._first + many)
         y, work = (part.copy() for part in np.split(self._rows[:many], [self.states], axis=1))
-        self._move_to_front(self._rows[many : self.count - self._first])
+        left = self._rows[many : self.count - self._first].copy()
+        self._rows[: len(left)] = left
         self._first += many
         return Samples(t, y, work)
-
-    def _move_to_front(self, rows: Array) -> None:
-        """Move these rows to the front of the buffer, and shrink it where it has become large."""
-        if len(rows) <= ROOM // 2 and len(self._rows) > ROOM:
-            self._rows = np.concatenate((rows, np.empty((ROOM - len(rows), rows.shape[1]))))
-        elif len(rows):
-            self._rows[: len(rows)] = rows.copy()
 
     def skip(self, t: float) -> None:
         """Skip the samples up to a time [s], and drop those that were not taken."""
         self.count = self._first = self.count_until(t)
-        self._move_to_front(self._rows[:0])

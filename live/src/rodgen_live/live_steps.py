@@ -4,26 +4,85 @@ from __future__ import annotations
 
 import contextlib
 import time
-from collections.abc import Callable
+from dataclasses import replace
 from types import ModuleType
 from typing import Any
 
 import numpy as np
 
 from rodgen.arrays import Array
+from rodgen.errors import InputError
 from rodgen.integrate.diagnosis import failure_message
 from rodgen.integrate.events import EventDetector
 from rodgen.integrate.methods.compiled_integrator import CompiledIntegrator
 from rodgen.integrate.methods.method_choice import make_integrator
 from rodgen.integrate.stepper import Counts, StepError
-from rodgen.integrate.stretches import CREEP, STRIDE, evaluation_bounds, with_span
+from rodgen.integrate.stretches import (
+    CREEP,
+    CREPT,
+    STRIDE,
+    UNBOUNDED,
+    Pulse,
+    Stretches,
+    evaluation_bounds,
+    with_span,
+)
 from rodgen.model.terms import PULL
 from rodgen.scene.integration import IntegrationTable
 from rodgen.system import System
 from rodgen_live.grid_recorder import GridRecorder, Samples
-from rodgen_live.windows import Windows
 
 STOPS = (StepError, OverflowError)  # what a method ends with that cannot go on
+
+
+class Windows:
+    """Stretches of an open-ended run: windows as long as the scene's span, one after the other.
+
+    Loads are looked at in one window at a time. origin: where the first begins [s]; span: of the
+    present window; stretches: in it.
+    """
+
+    def __init__(self, system: System, origin: float):
+        start, end = system.settings.span
+        self._course, self._fixed = system.time_laws, system.settings.has_fixed_step
+        self._origin, self.length = origin, end - start
+        # To the bit, lest the first window end beside the span.
+        self._first = end if origin == start else origin + self.length
+        self._number = -1
+        self._move_to(0)
+
+    def next_end(self, t: float) -> float:
+        """End of the stretch that begins at a time [s]. Raises StepError at a pole."""
+        least = t + 4 * float(np.spacing(abs(t)))  # closer, and loads would be asked beyond it
+        number = max(0, int((least - self._origin) // self.length))
+        # The division may be a rounding beside the borders.
+        number -= number > 0 and self._window_start(number) > least
+        number += self._window_start(number + 1) <= least
+        if number != self._number:
+            try:
+                self._move_to(number)
+            except InputError as error:  # of masses that jump too often there
+                raise StepError(str(error)) from None
+        for end in self.stretches.ends:
+            if end > least:
+                return end
+        raise StepError(UNBOUNDED)
+
+    def _window_start(self, number: int) -> float:
+        return self._first + (number - 1) * self.length if number else self._origin
+
+    def _move_to(self, number: int) -> None:
+        self._number = number
+        at, over = self.span = self._window_start(number), self._window_start(number + 1)
+        if not (self._course.loads or self._course.expressions):
+            self.stretches = Stretches([over])
+            return
+        across: list[Pulse] = []
+        if number and not self._fixed:  # a rest may reach across the border
+            half = self.length / 2
+            across = replace(self._course, start=at - half, end=at + half).pulses()
+        course = replace(self._course, start=at, end=over)
+        self.stretches = Stretches.of(course, self._fixed, across)
 
 
 class SystemSteps:
@@ -60,8 +119,10 @@ class SystemSteps:
         # step later; those in Python give all samples of a step at once, or never.
         tape.until = goal if self.compiled else None
         while tape.count < goal:
+            # As many as fit, by the time that the last ones took.
             left = until - time.perf_counter()
-            self._take_steps(tape, self._steps_that_fit(left))
+            fit = int(min(STRIDE, left / self._pace)) if self.compiled and self._pace else 1
+            self._take_steps(tape, max(1, fit))
             if time.perf_counter() >= until:
                 return
 
@@ -71,12 +132,6 @@ class SystemSteps:
         before = self.machine.counts.nsteps
         while self.machine.counts.nsteps == before:
             self._take_steps(tape, 1)
-
-    def _steps_that_fit(self, left: float) -> int:
-        """Number of steps that fit into the seconds left, by the time that the last ones took."""
-        if not self.compiled or not self._pace:
-            return 1
-        return max(1, int(min(STRIDE, left / self._pace)))
 
     def _take_steps(self, tape: GridRecorder, most: int) -> None:
         """Take at most so many steps. Raises StepError."""
@@ -93,7 +148,7 @@ class SystemSteps:
     def _check_progress(self, steps: int) -> None:
         """Raise StepError where thousands of steps lead nowhere."""
         if not self._ended and self.machine.t - self._seen < CREEP * self._windows.length:
-            raise StepError(f"{STRIDE} steps brought it no further than from {self._seen!r} s")
+            raise StepError(CREPT.format(STRIDE, self._seen))
         self._seen, self._look = self.machine.t, steps + STRIDE
 
     def failure_message(self, error: ArithmeticError) -> str:
@@ -121,20 +176,12 @@ class LiveSteps:
     computing time since the start.
     """
 
-    works: tuple[str, ...]
-    seconds: float
-    _course: SystemSteps
-    _tape: GridRecorder
-    _spent: Counts  # of the courses before
-    _base: Array  # works before the course [J]
-    _known: tuple[float, Array, Array]  # the last sample given out, or the last change if later
-    _failed: str
-
     def _start(self, course: SystemSteps, every: float, works: tuple[str, ...]) -> None:
         """Begin a course with all counts at zero."""
         self._course, self._failed, self.works = course, "", works
-        self._spent, self.seconds = Counts(), 0.0
-        self._base = np.zeros(len(works))
+        self._spent, self.seconds = Counts(), 0.0  # of the courses before
+        self._base = np.zeros(len(works))  # works before the course [J]
+        # The last sample given out, or the last change if later.
         self._known = self.t, self.y, self._base
         self._tape = GridRecorder(self.t, every, len(self.y), self._loads)
 
@@ -195,30 +242,30 @@ class LiveSteps:
     def advance(self, to: float, wall: float) -> Samples:
         """Go on to a time [s] for so many seconds at most, or one step, and return the new samples
         up to that time. Raises LiveError, again and again until something is changed."""
-        start, goal = time.perf_counter(), self._tape.count_until(to)
-
-        def take_steps() -> None:
-            if self._tape.count == 0 < goal:
-                self._tape.begin(self._course.machine.y)
-            self._course.step_until(self._tape, goal, start + wall)
-
-        return self._run_steps(take_steps, goal, start)
+        return self._run_steps(self._tape.count_until(to), wall)
 
     def one_step(self) -> Samples:
         """Take one step of the method, and return a sample at its end; those before it that were
         not given out are left out. Raises LiveError."""
-        self._run_steps(lambda: self._course.one_step(self._tape), 0, time.perf_counter())
+        self._run_steps(0, None)
         self._known = self._at_end()
         self._tape.skip(self.t)
         return _single_sample(*self._known)
 
-    def _run_steps(self, on: Callable[[], None], goal: int, start: float) -> Samples:
-        """Take steps by calling `on`, and return the new samples before number ``goal``."""
+    def _run_steps(self, goal: int, wall: float | None) -> Samples:
+        """Take steps for so many seconds, or a single one if None, and return the new samples
+        before number ``goal``."""
+        start = time.perf_counter()
         if self._failed:
             raise LiveError(self._failed, self.t, self._take_samples(0))
         try:
             with np.errstate(all="ignore"):
-                on()
+                if wall is None:
+                    self._course.one_step(self._tape)
+                else:
+                    if self._tape.count == 0 < goal:
+                        self._tape.begin(self._course.machine.y)
+                    self._course.step_until(self._tape, goal, start + wall)
         except STOPS as error:
             with np.errstate(all="ignore"):
                 self._failed = self._course.failure_message(error)
@@ -260,5 +307,4 @@ class LiveSteps:
 
 
 def _single_sample(t: float, y: Array, work: Array) -> Samples:
-    """Samples that hold a single one."""
     return Samples(np.array([t]), y[None].copy(), work[None].copy())

@@ -20,7 +20,7 @@ from rodgen.integrate.stability import largest_stable_step
 from rodgen.loading.generated_module import call_module
 from rodgen.model.terms import PULL
 from rodgen.scene import Scene
-from rodgen.scene.integration import AUTO, IntegrationTable
+from rodgen.scene.integration import AUTO
 from rodgen.system import System
 from rodgen_live.grid_recorder import Samples
 from rodgen_live.live_steps import LiveError, LiveSteps, SystemSteps
@@ -53,24 +53,21 @@ class Live(LiveSteps):
     system: what is run, as it was given last, without a place for a pull of its own; choice: its
     method, and why; rough: which of FOR_LOOKING is taken instead of that and of its tolerances,
     counted from 1, and 0 for none; given: energy [J] that changes and kicks have put in since the
-    start; energy_start: total energy there [J]; pulls: whether the module has a place for a pull;
-    pulling: the present pull, if any. To be used from one thread at a time; an InputError, for what
-    cannot be used, leaves the run as it was.
+    start; energy_start: total energy there [J], raised_start: that in gravity; pulls: whether the
+    module has a place for a pull; pulling: the present pull, if any. To be used from one thread at
+    a time; an InputError, for what cannot be used, leaves the run as it was.
     """
 
     choice: Choice
-    rough: int
-    given: float
-    energy_start: float
+    rough = 0
     pulls = False
     pulling: Pull | None = None
     _placed: tuple[System, System] | None = None
     _origin: float  # start of the run [s]
-    _warnings: list[str] | None
+    _choice_due = math.inf  # time by the clock [s] when `auto` is asked anew
 
     def __init__(self, system: System | Scene, model: ModuleType, every: float):
         self.system, self.model = System.of(system), model
-        self._chooser, self.rough = MethodChooser(model), 0
         self._begin(self.system, _check_period(every))
 
     @property
@@ -78,20 +75,14 @@ class Live(LiveSteps):
         """Scene that is run."""
         return self.system.scene
 
-    def advance(self, to: float, wall: float) -> Samples:
+    def _run_steps(self, goal: int, wall: float | None) -> Samples:
         self._choose_again()
-        return super().advance(to, wall)
-
-    def one_step(self) -> Samples:
-        self._choose_again()
-        return super().one_step()
+        return super()._run_steps(goal, wall)
 
     def warnings(self) -> list[str]:
         """Doubts about the step or the tolerance, as of the initial state."""
-        if self._warnings is None:
-            with np.errstate(all="ignore"):
-                self._warnings = [*map(str, step_doubts(self._course.system, self.model))]
-        return self._warnings
+        with np.errstate(all="ignore"):
+            return [*map(str, step_doubts(self._course.system, self.model))]
 
     def step_for(self, method: str) -> float:
         """Step [s] for a method of equal steps: half of the largest that is stable about the
@@ -125,34 +116,21 @@ class Live(LiveSteps):
         if same and not self._failed:
             self.system = system
             return False
-        before, self.rough = (
-            self.rough,
-            self.rough * (_step_settings(system) == _step_settings(now)),
-        )
-        try:
-            asked_for = self._with_pull(system)
-            choice = self._chooser.choose_sparingly(asked_for, now.settings, self.choice)
-            self._switch_system(system, choice)
-        except InputError:
-            self.rough = before
-            raise
+        rough = self.rough * (_step_settings(system) == _step_settings(now))
+        asked_for, choice = self._with_pull(system), self.choice
+        if system.settings.method == now.settings.method == AUTO:
+            # A change is to be seen at once: `auto` is asked once values rest.
+            self._choice_due = time.perf_counter() + PAUSE
+        else:
+            choice = self._choose(asked_for)
+        self._switch(system=system, choice=choice, rough=rough)
         return True
 
     def roughen(self, on: bool) -> None:
         """Go on by the next of FOR_LOOKING that is coarser than what the system asks for, or, if
         not on, by method and tolerances of the system again; another method, step or tolerance of
         the system takes that back. Raises InputError where it cannot be had."""
-        before, self.rough = self.rough, self._next_coarser() if on else 0
-        try:
-            self._switch_system(self.system, self.choice)
-        except InputError:
-            self.rough = before
-            raise
-
-    @property
-    def is_coarsest(self) -> bool:
-        """Whether nothing coarser can be taken for looking."""
-        return self.rough == len(FOR_LOOKING)
+        self._switch(rough=self._next_coarser() if on else 0)
 
     def _next_coarser(self) -> int:
         """Number of the next coarser one of FOR_LOOKING."""
@@ -162,10 +140,26 @@ class Live(LiveSteps):
         return next((i for i in left if FOR_LOOKING[i - 1]["rtol"] > finest), len(FOR_LOOKING))
 
     def kick(self, link: int, share: float, impulse: tuple[float, float]) -> None:
-        """Apply an impulse [N s] at a share of a link, from 0 at its start to 1 at its end."""
-        t, y, work = self._point_of_change()
-        after = state_after_kick(self.model, t, y, self.p, link, share, impulse)
-        self._switch_course(self._make_course(self.system, self.choice, t, after), t, y, work)
+        """Apply an impulse [N s] at a share of a link, from 0 at its start to 1 at its end: M du is
+        its generalised force. Raises InputError."""
+        check_point("kick", link, share, self.model.N)
+        force = np.array([check_number("kick.impulse", part) for part in impulse])
+        if force.shape != (2,):
+            raise InputError("kick.impulse", impulse, "two numbers, in N s")
+        t, y, _ = self._point_of_change()
+        after = y.copy()
+        # On one thread: others would be waited for longer than they help.
+        with np.errstate(all="ignore"), _threads().limit(limits=1, user_api="blas"):
+            M = call_module(self.model, "mass_matrix", t, y, self.p)
+            pushed = self.model.generalised_force(y, self.p, link, share, force)
+            try:
+                jump = np.linalg.solve(M, pushed)
+            except np.linalg.LinAlgError:
+                jump = np.full(len(pushed), math.nan)
+        after[len(jump) : 2 * len(jump)] += jump
+        if not np.isfinite([*after, *self.energies(t, after, self.p)]).all():
+            raise InputError("kick.impulse", impulse, "such that rates and energy stay finite")
+        self._switch(after)
 
     @property
     def system_with_support(self) -> System:
@@ -176,38 +170,23 @@ class Live(LiveSteps):
     @property
     def system_in_use(self) -> System:
         """System as its module has it, with the method and tolerances in use, without a pull."""
-        return self._with_method(self.system_with_support, self.choice)
+        return self._with_method(self.system_with_support)
 
     def allow_pulls(self, model: ModuleType) -> None:
         """Go on in the same state by the module of `with_idle_support`, which has a place for
         pulls."""
         t, y, work = self._point_of_change()
-        known, was = dict(zip(self.works, work, strict=True)), self.model
-        self.model, self.pulls = model, True
-        try:
-            course = self._make_course(self.system, self.choice, t, y)
-        except Exception:  # whatever it is: the run goes on as it was
-            self.model, self.pulls = was, False
-            raise
-        self._chooser = MethodChooser(model)
-        self.works = (*loads_at_work(model), PULL)
-        before = np.array([known.get(name, 0.0) for name in self.works])
-        self._take_up(course, before, self.every)
+        known, works = dict(zip(self.works, work, strict=True)), (*loads_at_work(model), PULL)
+        work = np.array([known.get(name, 0.0) for name in works])
+        self._go_on(t, y, work, self.every, model=model, pulls=True, works=works)
 
     def pull(self, pull: Pull | None) -> None:
         """Pull the rod from here on, or stop that if None; energy that the spring gains by the
         change is work of the pull. Raises InputError."""
         t, y, work = self._point_of_change()
-        before, was = self._energy(t, y, self.p), self.pulling
-        self.pulling = pull
-        try:
-            course = self._make_course(self.system, self.choice, t, y)
-        except InputError:
-            self.pulling = was
-            raise
-        after = work.copy()
-        after[self.works.index(PULL)] += self._energy(t, y, course.system.p) - before
-        self._take_up(course, after)
+        before, work = self._energy(t, y, self.p), work.copy()
+        self._go_on(t, y, work, pulling=pull)
+        work[self.works.index(PULL)] += self._energy(t, y, self.p) - before
 
     def _with_pull(self, system: System) -> System:
         """Another system of the same structure, with the present pull. Raises InputError."""
@@ -224,75 +203,84 @@ class Live(LiveSteps):
     def go_back(self, sample: Samples, p: Array, given: float) -> None:
         """Go back to an earlier sample, at which p held and so much energy [J] was given."""
         t, y, work = float(sample.t[-1]), sample.y[-1], sample.work[-1]
-        before, self.pulling = self._energy(t, y, p), None
-        self._take_up(self._make_course(self.system, self.choice, t, y), work, self.every)
-        self.given = given + self._energy(t, y, self.p) - before
+        self._go_on(t, y, work, self.every, pulling=None)
+        self.given = given + self._energy(t, y, self.p) - self._energy(t, y, p)
 
     def sample_every(self, every: float) -> None:
         """Set the seconds between two samples, from here on."""
-        t, y, work = self._point_of_change()
-        self._take_up(self._make_course(self.system, self.choice, t, y), work, _check_period(every))
+        self._go_on(*self._point_of_change(), _check_period(every))
 
     def _begin(self, system: System, every: float) -> None:
         """Begin at the initial state of a system."""
         t, y = system.settings.span[0], system.y0
-        self.pulling = None
-        choice = self._chooser.choose(self._with_idle_support(system))
-        course = self._make_course(system, choice, t, y, t)
+        choice = self._choose(self._with_idle_support(system))
+        course = self._make_course(t, y, system=system, choice=choice, pulling=None, _origin=t)
         works = loads_at_work(self.model)
         self._start(course, every, (*works, PULL) if self.pulls else works)
-        self.system, self.choice, self._warnings = system, choice, None
-        self._origin, self.given, self.energy_start = t, 0.0, self._energy(t, y, self.p)
+        *_, self.raised_start = energies = self.energies(t, y, self.p)
+        self.given, self.energy_start = 0.0, sum(energies)
 
-    def _switch_system(self, system: System, choice: Choice) -> None:
-        """Go on with another system and method from here on."""
+    def _switch(self, kicked: Array | None = None, **changes: Any) -> None:
+        """Go on from here, after a kick if its state is given, and count the energy given."""
         t, y, work = self._point_of_change()
-        course = self._make_course(system, choice, t, y)
-        self.system, self.choice, self._warnings = system, choice, None
-        self._switch_course(course, t, y, work)
-
-    def _switch_course(self, course: SystemSteps, t: float, y: Array, work: Array) -> None:
-        """Take up another course, from state y and the works here, and count the energy given."""
         before = self._energy(t, y, self.p)
-        self._take_up(course, work)
+        self._go_on(t, y if kicked is None else kicked, work, **changes)
         self.given += self._energy(t, self.y, self.p) - before
+
+    def _go_on(
+        self, t: float, y: Array, work: Array, every: float | None = None, **changes: Any
+    ) -> None:
+        """Go on from a state and works with other values of attributes. Raises InputError."""
+        self._take_up(self._make_course(t, y, **changes), work, every)
+
+    def _make_course(self, t: float, y: Array, **changes: Any) -> SystemSteps:
+        """Run from (t, y) with other values of attributes, which stay as they were if it cannot.
+        Raises InputError."""
+        before = vars(self).copy()
+        vars(self).update(changes)
+        try:
+            system = self._with_method(self._with_pull(self.system))
+            with np.errstate(all="ignore"):
+                return SystemSteps(system, self.model, t, y, self._origin)
+        except Exception:  # whatever it is: the run goes on as it was
+            self.__dict__ = before
+            raise
+
+    def _choose(self, system: System) -> Choice:
+        """Choose the method of a system: its own, or what `auto` takes it to need."""
+        self._choice_due = math.inf
+        with np.errstate(all="ignore"):
+            return choose(system, self.model)
 
     def _choose_again(self) -> None:
         """Choose the method, if that was put off while values were changed."""
-        if self._chooser.is_due:
-            choice = self._chooser.choose(self._with_pull(self.system))
+        if time.perf_counter() >= self._choice_due:
+            choice = self._choose(self._with_pull(self.system))
             if choice.method != self.choice.method:
-                self._switch_system(self.system, choice)
+                self._switch(choice=choice)
             self.choice = choice
 
-    def _make_course(
-        self, system: System, choice: Choice, t: float, y: Array, origin: float | None = None
-    ) -> SystemSteps:
-        """Run from (t, y), of a run that began at the origin [s]. Raises InputError."""
-        origin = self._origin if origin is None else origin
-        system = self._with_method(self._with_pull(system), choice)
-        with np.errstate(all="ignore"):
-            return SystemSteps(system, self.model, t, y, origin)
-
-    def _with_method(self, system: System, choice: Choice) -> System:
+    def _with_method(self, system: System) -> System:
         """System with the chosen method, or with one of FOR_LOOKING."""
         if self.rough:
             return system.with_settings(**FOR_LOOKING[self.rough - 1])
-        return system.with_method(choice.method)
+        return system.with_method(self.choice.method)
 
     def _check_structure(self, system: System) -> None:
         if system.structure != self.system.structure:
             allowed = f"of the same structure as {self.system.name}, which the module is for"
             raise InputError("scene", system.name, allowed)
 
-    def _energy(self, t: float, y: Array, p: Array) -> float:
-        """Total energy of a state [J]."""
+    def energies(self, t: float, y: Array, p: Array) -> list[float]:
+        """Kinetic energy of a state, that in springs, and that in gravity [J]."""
         with np.errstate(all="ignore"):
-            return float(sum(call_module(self.model, "energy", t, y, p)))
+            return [float(one) for one in call_module(self.model, "energy", t, y, p)]
+
+    def _energy(self, t: float, y: Array, p: Array) -> float:
+        return sum(self.energies(t, y, p))
 
 
 def _step_settings(system: System) -> tuple[Any, ...]:
-    """Method, step and tolerances that a system asks for."""
     settings = system.settings
     return settings.method, settings.step, settings.rtol, settings.atol
 
@@ -302,67 +290,6 @@ def _check_period(every: float) -> float:
     if not (isinstance(every, int | float) and math.isfinite(every) and every > 0):
         raise InputError("every", every, "a positive number of seconds")
     return float(every)
-
-
-class MethodChooser:
-    """Chooser of methods for systems of one module: `auto` is not asked anew for every value that a
-    slider passes."""
-
-    def __init__(self, model: ModuleType):
-        self._model, self._at, self._late = model, -math.inf, False
-
-    def choose(self, system: System) -> Choice:
-        """Choose the method of a system: its own, or what `auto` takes it to need."""
-        self._at, self._late = time.perf_counter(), False
-        with np.errstate(all="ignore"):
-            return choose(system, self._model)
-
-    def choose_sparingly(self, system: System, before: IntegrationTable, present: Choice) -> Choice:
-        """Choose the method of a system, but put that off until its values rest if the settings
-        before left it to `auto` as well: a change is to be seen at once."""
-        if not system.settings.method == before.method == AUTO:
-            return self.choose(system)
-        self._at, self._late = time.perf_counter(), True
-        return present
-
-    @property
-    def is_due(self) -> bool:
-        """Whether a choice was put off that is to be made now."""
-        return self._late and time.perf_counter() - self._at >= PAUSE
-
-
-def state_after_kick(
-    model: ModuleType,
-    t: float,
-    y: Array,
-    p: Array,
-    link: int,
-    share: float,
-    impulse: tuple[float, float],
-) -> Array:
-    """State (states,) after an impulse [N s] at a share of a link, from 0 at its start to 1 at its
-    end: M du is its generalised force. Raises InputError."""
-    check_point("kick", link, share, model.N)
-    force = np.array([check_number("kick.impulse", part) for part in impulse])
-    if force.shape != (2,):
-        raise InputError("kick.impulse", impulse, "two numbers, in N s")
-    # On one thread: others would be waited for longer than they help.
-    with np.errstate(all="ignore"), _threads().limit(limits=1, user_api="blas"):
-        M = call_module(model, "mass_matrix", t, y, p)
-        pushed = model.generalised_force(y, p, link, share, force)
-        try:
-            jump = np.linalg.solve(M, pushed)
-        except np.linalg.LinAlgError:
-            jump = np.full(len(pushed), math.nan)
-        after: Array = y.copy()
-        after[len(jump) : 2 * len(jump)] += jump
-        finite = (
-            np.isfinite(after).all()
-            and np.isfinite(call_module(model, "energy", t, after, p)).all()
-        )
-    if not finite:
-        raise InputError("kick.impulse", impulse, "such that rates and energy stay finite")
-    return after
 
 
 @lru_cache(maxsize=1)

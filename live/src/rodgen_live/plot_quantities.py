@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from difflib import get_close_matches
+from functools import lru_cache
 from types import ModuleType
 from typing import Any, NamedTuple
 
@@ -11,8 +11,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rodgen.arrays import Array
-from rodgen.errors import InputError
+from rodgen.errors import InputError, did_you_mean
 from rodgen.integrate.quantity_formulas import MotionSlice, loads_at_work
+from rodgen.integrate.reductions import patterns_of
 from rodgen.loading.generated_module import call_module
 from rodgen.model.quantities import (
     ADDED,
@@ -41,6 +42,10 @@ STATE = "state"  # kind of the states that a scene adds, whose units are not kno
 POTENTIAL = ("spring_energy", "gravity_energy")
 
 
+# Columns of a quantity, and the columns of the result that they go to.
+_ColumnCopy = tuple[NDArray[np.int64], ...]
+
+
 class PlotQuantity(NamedTuple):
     """A scalar that a plot can show; kind: those that it can share a plot with."""
 
@@ -57,14 +62,6 @@ class _Place(NamedTuple):
     quantity: str
     column: int
     along: float | None
-
-
-class _ColumnCopy(NamedTuple):
-    """Columns of a quantity, and the columns of the result that they go to."""
-
-    quantity: str
-    columns: NDArray[np.int64]
-    to: NDArray[np.int64]
 
 
 class Catalogue:
@@ -87,18 +84,16 @@ class Catalogue:
         self.kinds: dict[str, list[str]] = {}
         self.along: dict[str, Array] = {}
         self._places: dict[str, _Place] = {}
-        every = list(_scalars(system.scene, self.works, powers))
-        for kind in KINDS:
-            some = [(shown, place) for shown, place in every if shown.kind == kind]
-            if not some:
-                continue
-            self.kinds[kind] = [shown.name for shown, _ in some]
-            self.quantities |= {shown.name: shown for shown, _ in some}
-            self._places |= {shown.name: place for shown, place in some}
-            along = [place.along for _, place in some if place.along is not None]
-            if along:
+        order = list(KINDS)
+        every = _scalars(system.scene, self.works, powers)
+        for shown, place in sorted(every, key=lambda one: order.index(one[0].kind)):
+            self.kinds.setdefault(shown.kind, []).append(shown.name)
+            self.quantities[shown.name], self._places[shown.name] = shown, place
+        for kind, names in self.kinds.items():
+            along = [self._places[name].along for name in names]
+            if along := [one for one in along if one is not None]:
                 self.along[kind] = np.array(along)
-        self._plans: dict[tuple[str, ...], list[_ColumnCopy]] = {}
+        self._plan = lru_cache(MOST_PLANS)(self._make_plan)
         self._last: tuple[Chunk, MotionSlice] | None = None
         self._own: dict[str, UserExpression] = {}
         self._absent: set[str] = set()
@@ -120,15 +115,16 @@ class Catalogue:
     def columns(self, names: Sequence[str], chunk: Chunk) -> Array:
         """Values of quantities at the samples of a chunk, (K, names). Raises InputError for a name
         that is not known. What was computed is kept for the next call with the same chunk."""
-        own = {at: self._own[name] for at, name in enumerate(names) if name in self._own}
-        if own:
-            return self._columns_with_expressions(names, own, chunk)
+        plan = self._plan(tuple(names))
         if self._last is None or self._last[0] is not chunk:
             self._last = chunk, motion_of(self.model, chunk, self._timed)
         motion, out = self._last[1], np.empty((len(chunk), len(names)))
         with np.errstate(all="ignore"):  # a state may have stopped being finite
-            for quantity, columns, to in self._plan(tuple(names)):
+            for quantity, (columns, to) in plan.items():
                 out[:, to] = motion.values(quantity).reshape(len(chunk), -1)[:, columns]
+        for at, name in enumerate(names):
+            if own := self._own.get(name):
+                out[:, at] = own.values(self.model, self.columns, chunk)
         return out
 
     def error_level(self, names: Sequence[str]) -> float:
@@ -137,18 +133,7 @@ class Catalogue:
         sizes = np.abs(self.columns(names, self._some))
         return self._atol * float(np.where(np.isfinite(sizes), sizes, 0.0).max(initial=0.0))
 
-    def _columns_with_expressions(
-        self, names: Sequence[str], own: dict[int, UserExpression], chunk: Chunk
-    ) -> Array:
-        out = np.empty((len(chunk), len(names)))
-        rest = [at for at in range(len(names)) if at not in own]
-        out[:, rest] = self.columns([names[at] for at in rest], chunk)
-        for at, quantity in own.items():
-            out[:, at] = quantity.values(self.model, self.columns, chunk)
-        return out
-
     def _add_expression(self, name: str, field: str) -> PlotQuantity:
-        """Add an expression of quantities to the quantities. Raises InputError."""
         if len(self._own) >= MOST_OWN:
             raise InputError(field, name, f"one of the {MOST_OWN} expressions that are known")
         known = self._places.keys()
@@ -159,52 +144,27 @@ class Catalogue:
 
     def quantity(self, name: object, field: str = "quantity") -> PlotQuantity:
         """Look up a quantity, or add an expression. Raises InputError with the known names."""
-        found = self.quantities.get(name) if isinstance(name, str) else None
-        if found is None and isinstance(name, str) and not name.isidentifier():
-            found = self._add_expression(name, field)
-        if found is None:
-            raise InputError(field, name, self._known_names(str(name), self.quantities))
-        return found
+        if isinstance(name, str) and name in self.quantities:
+            return self.quantities[name]
+        if isinstance(name, str) and not name.isidentifier():
+            return self._add_expression(name, field)
+        allowed = f"one of {patterns_of(self.quantities)}"
+        raise InputError(field, name, allowed + did_you_mean(name, self.quantities))
 
     def expand(self, name: object, field: str = "quantity") -> list[str]:
         """Names that a name or a kind stands for. Raises InputError with the known names."""
         if isinstance(name, str) and name in self.kinds:
             return [one for one in self.kinds[name] if one not in self._absent]
-        if isinstance(name, str) and (name in self.quantities or not name.isidentifier()):
-            return [self.quantity(name, field).name]
-        raise InputError(field, name, self._known_names(str(name), [*self.quantities, *self.kinds]))
+        return [self.quantity(name, field).name]
 
-    def _known_names(self, name: str, known: Sequence[str] | dict[str, PlotQuantity]) -> str:
-        """List the known names for an error, families shortened, and the closest ones."""
-        close = get_close_matches(name[:64], known, 3)
-        shown = []
-        for names in self.kinds.values():
-            family = len(names) > 4
-            shown.append(f"{names[0]} to {names[-1]}" if family else ", ".join(names))
-        every = f"one of {', '.join(shown)}"
-        return f"{every} (closest: {', '.join(close)})" if close else every
-
-    def _plan(self, names: tuple[str, ...]) -> list[_ColumnCopy]:
-        """Find which columns of which quantities a set of names needs, once for each set."""
-        plan = self._plans.get(names)
-        if plan is None:
-            if len(self._plans) >= MOST_PLANS:
-                self._plans.clear()
-            plan = self._plans[names] = self._make_plan(names)
-        return plan
-
-    def _make_plan(self, names: tuple[str, ...]) -> list[_ColumnCopy]:
+    def _make_plan(self, names: tuple[str, ...]) -> dict[str, _ColumnCopy]:
+        """Find which columns of which quantities a set of names needs, without expressions."""
         wanted: dict[str, list[tuple[int, int]]] = {}
         for at, name in enumerate(names):
-            self.quantity(name)
-            place = self._places[name]
-            wanted.setdefault(place.quantity, []).append((place.column, at))
-        return [
-            _ColumnCopy(
-                quantity, *(np.array(part, dtype=np.int64) for part in zip(*pairs, strict=True))
-            )
-            for quantity, pairs in wanted.items()
-        ]
+            if self.quantity(name).kind != OWN:
+                place = self._places[name]
+                wanted.setdefault(place.quantity, []).append((place.column, at))
+        return {quantity: tuple(np.transpose(pairs)) for quantity, pairs in wanted.items()}
 
 
 def motion_of(model: ModuleType, chunk: Chunk, timed: Mapping[str, Any]) -> MotionSlice:
@@ -216,7 +176,6 @@ def motion_of(model: ModuleType, chunk: Chunk, timed: Mapping[str, Any]) -> Moti
 def _scalars(
     scene: Scene, works: tuple[str, ...], powers: tuple[str, ...]
 ) -> Iterator[tuple[PlotQuantity, _Place]]:
-    """All scalars of a rod, in the order of the rows of the vocabulary."""
     loads = [PARAMETERS[name] for name in scene.loads.parameters]
     terms = {
         WORKS: {term: describe(term) for term in works},

@@ -45,10 +45,9 @@ def with_idle_support(system: System | Scene) -> System:
 
 def with_pull(system: System, pull: Pull) -> System:
     """System with this pull, of one that has a place for it. Raises InputError."""
-    scene = system.scene
-    links, numbers = scene.rod.links, (pull.stiffness, pull.damping)
+    scene, links = system.scene, system.scene.rod.links
     check_point("pull", pull.link, pull.share, links)
-    for name, value in zip(("stiffness", "damping"), numbers, strict=True):
+    for name, value in (("stiffness", pull.stiffness), ("damping", pull.damping)):
         if check_number(f"pull.{name}", value) < 0:
             raise InputError(f"pull.{name}", value, "not negative")
     to = [check_number("pull.to", part) for part in pull.to]
@@ -59,8 +58,8 @@ def with_pull(system: System, pull: Pull) -> System:
     for tie in scene.anchors.support_points:
         if tie.link == link and abs(tie.share - share) > SAME:
             raise InputError("pull.link", pull.link, "one without a support at another point")
-    each = [[number, number] for number in numbers]
-    support = SupportTable(at=at, to=to, stiffness=each[0], damping=each[1])
+    each = {"stiffness": [pull.stiffness] * 2, "damping": [pull.damping] * 2}
+    support = SupportTable(at=at, to=to, **each)
     return System(scene.model_copy(update={SUPPORTS: [*scene.supports, support]}))
 
 

@@ -14,8 +14,8 @@ from rodgen.integrate.solution import Solution
 from rodgen.loading.generated_module import call_module
 from rodgen_live.grid_recorder import Samples
 from rodgen_live.plot_quantities import Catalogue
-from rodgen_live.run.change_marks import ChangeMark
-from rodgen_live.run.message import Named, Trail, encode, pull_array, rod_arrays
+from rodgen_live.run.change_history import ChangeMark
+from rodgen_live.run.message import Named, encode, pull_array, rod_arrays, trail_so_far
 from rodgen_live.run.plot import Plot
 from rodgen_live.run.plot_spec import PlotSpec
 from rodgen_live.sample_store import Chunk, SampleStore
@@ -40,14 +40,16 @@ def replay(solution: Solution, choices: Iterable[dict[str, Any]]) -> Replay:
     """Convert a run to messages; choices: its plots (see PlotSpec.from_dict). Raises InputError for
     a run of a single sample, or with states that are not finite."""
     store, catalogue = _fill_store(solution), Catalogue(solution.system, solution.model)
-    samples = [sample for chunk in store.chunks() for sample in _single_samples(chunk)]
+    samples = [chunk.select(slice(k, k + 1)) for chunk in store.chunks() for k in range(len(chunk))]
     if len(samples) < LEAST or not all(np.isfinite(sample.y).all() for sample in samples):
         raise InputError("run", solution.status, "one of two samples or more, all of them finite")
     span = float(samples[-1].t[0] - samples[0].t[0])
-    plots = [
-        _make_plot({**choice, "window": span}, k, catalogue) for k, choice in enumerate(choices)
-    ]
-    shown = _evenly_spaced_samples(samples, solution)
+    given = ({**choice, "window": span, "id": f"p{k}"} for k, choice in enumerate(choices))
+    plots = [Plot(PlotSpec.from_dict(choice, catalogue), catalogue) for choice in given]
+    # Evenly spaced ones, as many as there is room for.
+    size = len(encode({}, rod_arrays(solution.model, samples[0])[1]))
+    most = min(len(samples), MOST, max(LEAST, ROOM // size))
+    shown = [samples[k] for k in np.linspace(0, len(samples) - 1, most).round().astype(int)]
     times = [float(sample.t[0]) for sample in shown]
     line = {"from": times[0], "to": times[-1], "count": len(times), "keeps": False}
 
@@ -61,46 +63,27 @@ def replay(solution: Solution, choices: Iterable[dict[str, Any]]) -> Replay:
     whole = [plot for plot in plots if plot.spec.kind != "profile"]
     standing = [(f"plot!{plot.spec.id}", plot.backlog(store.chunks()).ravel()) for plot in whole]
     standing += _profile_arrays(plots, shown[0])
-    trail = ("trail!", Trail().pop(solution.model, store).ravel())
+    trail = ("trail!", trail_so_far(solution.model, store).ravel())
     first = message(shown[0], [trail, *standing], marks=_marks(solution, store))
     frames = [message(sample, list(_profile_arrays(plots, sample))) for sample in shown]
     return Replay([plot.to_json() for plot in plots], first, frames, times)
 
 
 def _fill_store(solution: Solution) -> SampleStore:
-    """Store the samples of a run as the live view keeps them."""
     model, work = solution.model, tuple(solution.work)
     p, changes = solution.system.p, solution.changes
     every = changes.p if changes is not None else np.broadcast_to(p, (len(solution.t), len(p)))
     given = np.broadcast_to(solution.energy_input, solution.t.shape)
     with np.errstate(all="ignore"):
-        start = float(sum(call_module(model, "energy", solution.t[0], solution.y[0], every[0])))
-    store = SampleStore(solution.y.shape[1], work, start)
-    works = np.zeros((len(solution.t), len(work)))
-    for k, term in enumerate(work):
-        works[:, k] = solution.work[term]
+        start = call_module(model, "energy", solution.t[0], solution.y[0], every[0])
+    store = SampleStore(solution.y.shape[1], work, float(sum(start)), float(start[-1]))
+    works = np.reshape([*solution.work.values()], (len(work), len(solution.t))).T
     changed = np.any(every[1:] != every[:-1], axis=1) | (given[1:] != given[:-1])
     edges = [0, *(np.flatnonzero(changed) + 1).tolist(), len(solution.t)]
     for a, b in itertools.pairwise(edges):
         store.set_parameters(every[a], float(given[a]))
         store.add(Samples(solution.t[a:b], solution.y[a:b], works[a:b]))
     return store
-
-
-def _single_samples(chunk: Chunk) -> Iterator[Chunk]:
-    return (chunk.select(slice(k, k + 1)) for k in range(len(chunk)))
-
-
-def _evenly_spaced_samples(samples: Sequence[Chunk], solution: Solution) -> list[Chunk]:
-    """Pick evenly spaced samples, as many as there is room for."""
-    size = len(encode({}, rod_arrays(solution.model, samples[0])[1]))
-    most = min(len(samples), MOST, max(LEAST, ROOM // size))
-    return [samples[k] for k in np.linspace(0, len(samples) - 1, most).round().astype(int)]
-
-
-def _make_plot(choice: dict[str, Any], number: int, catalogue: Catalogue) -> Plot:
-    spec = PlotSpec.from_dict({**choice, "id": f"p{number}"}, catalogue)
-    return Plot(spec, catalogue)
 
 
 def _profile_arrays(plots: Iterable[Plot], sample: Chunk) -> Iterator[Named]:
@@ -110,8 +93,9 @@ def _profile_arrays(plots: Iterable[Plot], sample: Chunk) -> Iterator[Named]:
             yield f"plot!{plot.spec.id}", rows.ravel()
 
 
-def _change_chunks(solution: Solution, store: SampleStore) -> Iterator[Chunk]:
-    """Chunks that begin with a change or a kick; moving the far end of a pull is none."""
+def _marks(solution: Solution, store: SampleStore) -> list[ChangeMark]:
+    """Marks at events, and where values were changed or the rod was kicked; that the far end of a
+    pull is moved is none."""
     places = solution.system.structure.slices
     far = [places[name] for name in ("support_x", "support_y") if name in places]
 
@@ -121,14 +105,8 @@ def _change_chunks(solution: Solution, store: SampleStore) -> Iterator[Chunk]:
             p[place] = 0.0
         return p.tobytes(), chunk.given
 
+    marks = [ChangeMark(event.t, event.name) for event in solution.events]
     for before, chunk in itertools.pairwise(store.chunks()):
         if comparison_key(before) != comparison_key(chunk):
-            yield chunk
-
-
-def _marks(solution: Solution, store: SampleStore) -> list[ChangeMark]:
-    """Marks at events, and where values were changed or the rod was kicked."""
-    events = [ChangeMark(event.t, event.name) for event in solution.events]
-    begin = (float(chunk.t[0]) for chunk in _change_chunks(solution, store))
-    changes = [ChangeMark(t, "a change or a kick") for t in begin]
-    return sorted(events + changes)
+            marks.append(ChangeMark(float(chunk.t[0]), "a change or a kick"))
+    return sorted(marks)

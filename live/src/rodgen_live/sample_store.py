@@ -1,17 +1,16 @@
-"""Samples of a live run: in chunks between changes, in bounded memory, and as a Solution."""
+"""Samples of a live run: in chunks between changes, in bounded memory."""
 
 from __future__ import annotations
 
 import itertools
-from collections.abc import Callable, Iterator
-from dataclasses import InitVar, dataclass, replace
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from rodgen.arrays import Array
-from rodgen.integrate.solution import Solution
 from rodgen.integrate.trajectory import Changes
 from rodgen.memory import check_memory
 from rodgen_live.grid_recorder import Samples
@@ -26,7 +25,7 @@ class Chunk:
     """Samples with the same parameters. t: times [s], (K,); y: states, (K, states); work: work of
     each load without potential since the start [J], (K, works), in the order of `works`; p:
     parameters; given: energy [J] that changes and kicks have put in since the start; start: total
-    energy at the start [J]."""
+    energy at the start [J]; raised: that in gravity alone."""
 
     t: Array
     y: Array
@@ -35,6 +34,7 @@ class Chunk:
     p: Array
     given: float = 0.0
     start: float = 0.0
+    raised: float = 0.0
 
     def __len__(self) -> int:
         return len(self.t)
@@ -78,17 +78,16 @@ class SampleStore:
     """Samples of a run since its start; a full store drops every other one, and takes up only every
     other one from then on."""
 
-    def __init__(self, states: int, works: tuple[str, ...], start: float):
-        """Make an empty store; start: total energy at the start [J]."""
+    def __init__(self, states: int, works: tuple[str, ...], start: float, raised: float = 0.0):
+        """Make an empty store; start, raised: energy at the start [J] (see Chunk)."""
         self._states = states
-        nothing = np.empty(0)
-        self._blank = Chunk(nothing, nothing, nothing, works, nothing, start=start)
+        nothing = np.empty(0)  # what holds from now on, without samples
+        self._here = Chunk(nothing, nothing, nothing, works, nothing, 0.0, start, raised)
         width = 1 + states + len(works)
         rows = int(min(MOST, max(LEAST, ROOM // (8 * width))))
         self._rows = np.empty((rows, width))
         self._epoch_of = np.zeros(rows, dtype=np.int64)
         self._epochs: dict[int, _Epoch] = {}
-        self._here = self._blank  # what holds from now on, without samples
         self._number = self.count = self._seen = 0
         self._stride = 1
 
@@ -99,7 +98,7 @@ class SampleStore:
             self._epochs.pop(self._number, None)  # no sample of it was kept
         self._number += 1
         self._epochs[self._number] = _Epoch.of(p, given, before)
-        self._here = replace(self._blank, p=p.copy(), given=given)
+        self._here = replace(self._here, p=p.copy(), given=given)
 
     def truncate(self, t: float) -> Chunk:
         """Drop the samples after a time [s], except the first of all; returns the last one.
@@ -113,7 +112,7 @@ class SampleStore:
     def widen(self, works: tuple[str, ...], wide: Callable[[Array], Array]) -> SampleStore:
         """Copy the store with more works, which are zero, and more parameters; wide: converts the
         parameters."""
-        found = SampleStore(self._states, works, self._blank.start)
+        found = SampleStore(self._states, works, self._here.start, self._here.raised)
         for piece in self.chunks():
             found.set_parameters(wide(piece.p), piece.given)
             work = np.zeros((len(piece), len(works)))
@@ -128,21 +127,17 @@ class SampleStore:
         while at < count:
             wanted = np.arange(at + -(self._seen + at) % self._stride, count, self._stride)
             room = len(self._rows) - self.count
-            self._append(samples, wanted[:room])
+            which, end = wanted[:room], self.count + len(wanted[:room])
+            columns = samples.t[which, None], samples.y[which], samples.work[which]
+            self._rows[self.count : end] = np.concatenate(columns, axis=1)
+            self._epoch_of[self.count : end] = self._number
+            self.count = end
             if len(wanted) <= room:
                 break
             at = int(wanted[room])
             self._thin()
         self._seen += count
         return replace(self._here, t=samples.t, y=samples.y, work=samples.work)
-
-    def _append(self, samples: Samples, which: np.ndarray) -> None:
-        rows = self._rows[self.count : self.count + len(which)]
-        rows[:, 0] = samples.t[which]
-        rows[:, 1 : 1 + self._states] = samples.y[which]
-        rows[:, 1 + self._states :] = samples.work[which]
-        self._epoch_of[self.count : self.count + len(which)] = self._number
-        self.count += len(which)
 
     def _thin(self) -> None:
         """Keep every other sample, and the epochs that still have one."""
@@ -182,21 +177,14 @@ class SampleStore:
         """Samples as a chunk, by their numbers; no change lies between them."""
         epoch, rows = self._epochs[int(self._epoch_of[first])], self._rows[first:last]
         y, work = np.split(rows[:, 1:], [self._states], axis=1)
-        found = replace(self._blank, t=rows[:, 0].copy(), y=y.copy(), work=work.copy())
+        found = replace(self._here, t=rows[:, 0].copy(), y=y.copy(), work=work.copy())
         return replace(found, p=epoch.p, given=epoch.given)
 
 
-@dataclass(repr=False)
-class RecordedSolution(Solution):
-    """Solution of a live run, with the changes between the chunks that it is made from."""
-
-    pieces: InitVar[tuple[Chunk, ...]] = ()
-
-    def __post_init__(self, pieces: tuple[Chunk, ...]) -> None:
-        if pieces:  # else it has some samples of another's, with their changes
-            counts = [len(piece) for piece in pieces]
-            width = len(pieces[0].p)
-            what = f"the {width} parameters at every sample"
-            check_memory(what, sum(counts), lambda samples: 16 * width * samples, "samples")
-            p = np.repeat([piece.p for piece in pieces], counts, axis=0)
-            self.changes = Changes(p, np.repeat([piece.given for piece in pieces], counts))
+def changes_between(pieces: Sequence[Chunk]) -> Changes:
+    """Changes between chunks, at every sample of them."""
+    counts, width = [len(piece) for piece in pieces], len(pieces[0].p)
+    what = f"the {width} parameters at every sample"
+    check_memory(what, sum(counts), lambda samples: 16 * width * samples, "samples")
+    p = np.repeat([piece.p for piece in pieces], counts, axis=0)
+    return Changes(p, np.repeat([piece.given for piece in pieces], counts))

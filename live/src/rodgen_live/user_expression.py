@@ -2,19 +2,19 @@
 
 from __future__ import annotations
 
+import ast
 import re
-from collections.abc import Callable, Mapping, Sequence, Set
+from collections.abc import Callable, Iterable, Mapping, Sequence, Set
 from dataclasses import dataclass, replace
-from types import MappingProxyType, ModuleType
+from types import ModuleType
 
 import numpy as np
 
 from rodgen.arrays import Array
 from rodgen.errors import InputError, did_you_mean
 from rodgen.scene.expression import Expression
-from rodgen.scene.grammar import FUNCTIONS, TABLE
+from rodgen.scene.grammar import FUNCTIONS, TABLE, names_in, parse
 from rodgen_live.sample_store import Chunk
-from rodgen_live.units import rate_of, unit_of
 
 LONGEST = 200  # letters
 TURN = 1e-5  # rad or m by which the state moves in a difference: errors are its square
@@ -52,10 +52,12 @@ class UserExpression:
 
     def unit(self, units: Mapping[str, str]) -> str:
         """Unit that follows from those of the quantities, given by name; empty where there is none,
-        or none is known."""
-        inner = {name: unit_of(one.text, units) for name, one in self.rates.items()}
-        rates = {name: rate_of(unit) for name, unit in inner.items() if unit is not None}
-        return unit_of(self.expression.text, {**units, **rates}) or ""
+        or none is known, as where unlike units are added."""
+        known = {name: _parse_unit(unit) for name, unit in units.items()}
+        for name, one in self.rates.items():
+            if (found := _unit_of(one.text, known)) is not None:
+                known[name] = _multiply(found, {"s": 1}, -1)
+        return _format_unit(_unit_of(self.expression.text, known) or {})
 
     def values(self, model: ModuleType, columns: Columns, chunk: Chunk) -> Array:
         """Values at the samples of a chunk, (K,)."""
@@ -72,7 +74,7 @@ class UserExpression:
         ]
         found = {}
         for name, one in self.rates.items():
-            up, down = (_evaluate(one, columns, side) for side in sides)
+            up, down = (_evaluate(one, columns, side, {}) for side in sides)
             found[name] = (up - down) / (2 * h)
         return found
 
@@ -120,14 +122,118 @@ def _parse_part(part: str, known: Set[str], text: str, field: str) -> Expression
     return found
 
 
-def _evaluate(
-    of: Expression,
-    columns: Columns,
-    chunk: Chunk,
-    rates: Mapping[str, Array] = MappingProxyType({}),
-) -> Array:
+def _evaluate(of: Expression, columns: Columns, chunk: Chunk, rates: Mapping[str, Array]) -> Array:
     """Evaluate an expression at the samples of a chunk, (K,); rates: values that are known."""
     names = [name for name in of.signals if name not in rates]
     values = columns(names, chunk) if names else np.empty((len(chunk), 0))
     found = of.evaluate(chunk.t, {**dict(zip(names, values.T, strict=True)), **rates})
     return np.array(np.broadcast_to(found, chunk.t.shape), dtype=float)
+
+
+# Units, as far as they follow from those of the quantities --------------------------------------
+
+Powers = dict[str, int]  # of symbols, such as {"m": 1, "s": -2}
+# What symbols stand for, by which units with unlike symbols are told to be alike.
+MEANT = {"J": "kg m²/s²", "N": "kg m/s²", "W": "kg m²/s³", "rad": ""}
+HIGH = str.maketrans("0123456789", "⁰¹²³⁴⁵⁶⁷⁸⁹")
+LOW = str.maketrans("⁰¹²³⁴⁵⁶⁷⁸⁹", "0123456789")
+SYMBOL = re.compile(r"([A-Za-z]+)([⁰¹²³⁴⁵⁶⁷⁸⁹]*)")
+ALIKE = "abs", "min", "max"  # functions whose value is of the kind of what they are given
+
+
+def _unit_of(text: str, units: Mapping[str, Powers]) -> Powers | None:
+    """Unit of an expression in the grammar of scenes; None where none follows."""
+    tree = parse(text, "expression")
+    return None if tree is None else _unit(tree, units)
+
+
+def _unit(node: ast.expr, units: Mapping[str, Powers]) -> Powers | None:
+    """Unit of a part of an expression; None where it is not known."""
+
+    def part_unit(part: ast.expr) -> Powers | None:
+        return _unit(part, units)
+
+    match node:
+        case ast.Constant() | ast.Name(id="pi"):
+            return {}
+        case ast.Name(id=name):
+            return units.get(name)
+        case ast.UnaryOp(operand=part):
+            return part_unit(part)
+        case ast.BinOp(left=left, op=ast.Add() | ast.Sub(), right=right):
+            return _common_unit((left, right), units)
+        case ast.BinOp(left=base, op=ast.Pow(), right=power):
+            return _power(part_unit(base), power)
+        case ast.BinOp(left=left, op=op, right=right):
+            if (first := part_unit(left)) is None or (second := part_unit(right)) is None:
+                return None
+            return _multiply(first, second, 1 if isinstance(op, ast.Mult) else -1)
+        case ast.IfExp(body=body, orelse=other):
+            return _common_unit((body, other), units)
+        case ast.Call(func=ast.Name(id=name), args=parts) if name in ALIKE:
+            return _common_unit(parts, units)
+        case ast.Call(func=ast.Name(id="sqrt"), args=[part]):
+            found = part_unit(part)
+            if found is None or any(power % 2 for power in found.values()):
+                return None
+            return {key: power // 2 for key, power in found.items()}
+        case ast.Call(func=ast.Name(id="interp")):
+            return None
+    return {}
+
+
+def _common_unit(parts: Iterable[ast.expr], units: Mapping[str, Powers]) -> Powers | None:
+    """Unit that all parts share, plain numbers aside, which may have any; None for unlike ones."""
+    found = [_unit(part, units) for part in parts if set(names_in(part)) - {"pi"}]
+    known = [one for one in found if one is not None]
+    alike = len(known) == len(found) and all(
+        _base_units(one) == _base_units(known[0]) for one in known
+    )
+    return (known or [{}])[0] if alike else None
+
+
+def _power(base: Powers | None, power: ast.expr) -> Powers | None:
+    if not base:
+        return base
+    match power:
+        case ast.Constant(value=int(times)):
+            return {key: times * of for key, of in base.items() if times}
+        case ast.UnaryOp(op=ast.USub(), operand=ast.Constant(value=int(times))):
+            return {key: -times * of for key, of in base.items() if times}
+    return None
+
+
+def _multiply(first: Powers, second: Powers, sign: int) -> Powers:
+    powers = {key: first.get(key, 0) + sign * second.get(key, 0) for key in {**first, **second}}
+    return {key: power for key, power in powers.items() if power}
+
+
+def _base_units(powers: Powers) -> Powers:
+    found: Powers = {}
+    for symbol, power in powers.items():
+        stands = _parse_unit(MEANT[symbol]) if symbol in MEANT else {symbol: 1}
+        found = _multiply(found, {key: times * power for key, times in stands.items()}, 1)
+    return found
+
+
+def _parse_unit(unit: str) -> Powers:
+    above, _, below = unit.partition("/")
+    found: Powers = {}
+    for text, sign in ((above, 1), (below, -1)):
+        for symbol, power in SYMBOL.findall(text):
+            found = _multiply(found, {symbol: int(power.translate(LOW) or 1)}, sign)
+    return found
+
+
+def _format_unit(powers: Powers) -> str:
+    def product(sign: int) -> str:
+        return " ".join(
+            symbol + (str(abs(power)).translate(HIGH) if abs(power) > 1 else "")
+            for symbol, power in powers.items()
+            if sign * power > 0
+        )
+
+    above, below = product(1), product(-1)
+    if not below:
+        return above
+    return f"{above or 1}/({below})" if " " in below else f"{above or 1}/{below}"

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -14,7 +13,6 @@ from rodgen.errors import InputError
 from rodgen.scene.examples import find_example
 
 if TYPE_CHECKING:
-    from rodgen.integrate.solution import Solution
     from rodgen.scene import Scene
 
 FIRST = "flutter"  # scene of rodgen that is shown by default
@@ -75,7 +73,7 @@ def view(
     if export is not None and scene_file is not None and scene_file.suffix == RESULT:
         if changes:
             raise InputError("--set", changes, "absent beside a result")
-        _export_page(lambda: _load_result(scene_file), export)
+        _export_page(export, scene_file)
         return
     number = point_number(branch, point, "--from")
     text = ""
@@ -89,7 +87,7 @@ def view(
 
             text = edited_text(text, read_scene(scene_file, None), scene)
     if export is not None:
-        _export_page(lambda: _simulate(scene), export)
+        _export_page(export, scene)
         return
     if not 0 <= port <= 65535:
         raise InputError("--port", port, "a whole number from 0 to 65535")
@@ -105,27 +103,16 @@ def view(
     out.print("\nEnded.")
 
 
-def _simulate(scene: Scene) -> Solution:
-    """Run a scene."""
-    from rodgen.integrate.simulate import simulate
-
-    return simulate(scene)
-
-
-def _load_result(file: Path) -> Solution:
-    """Load the run in a result, as many samples of it as the live view keeps."""
+def _export_page(folder: Path, run: Scene | Path) -> None:
+    """Write the run of a scene, or that in a file, as many samples of it as the live view keeps, as
+    a page, once it is known that the folder can be written."""
     from rodgen.integrate.files.reader import load
+    from rodgen.integrate.simulate import simulate
+    from rodgen_live.page.export import check_folder, export
     from rodgen_live.sample_store import MOST
 
-    return load(file, MOST)
-
-
-def _export_page(run: Callable[[], Solution], folder: Path) -> None:
-    """Write a run as a page, once it is known that the folder can be written."""
-    from rodgen_live.page.export import check_folder, export
-
     check_folder(folder)
-    export(run(), folder)
+    export(load(run, MOST) if isinstance(run, Path) else simulate(run), folder)
     out.print(f"Written: {folder / 'index.html'}")
 
 

@@ -230,25 +230,31 @@ def open_view(
     with tempfile.TemporaryDirectory() as place:
         path = Path(place, f"links_{links}.toml")
         path.write_text(SCENE.format(links=links, every=every))
-        view = [str(folder / "rodgen"), "view"]
-        told = subprocess.run([*view, "--help"], capture_output=True, text=True, check=True).stdout
-        held = ["--paused"] * ("--paused" in told)  # an older checkout begins so
-        command = [*view, str(path), "--port=0", "--no-open", *held]
-        with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as server:
-            try:
-                assert server.stdout is not None
-                found = re.search(r"http://\S+", server.stdout.readline())
-                assert found is not None
-                page = browser.new_page(viewport={"width": 1280, "height": 1100})
-                page.set_default_timeout(600_000)  # ms: it may be busy with more than this
-                page.goto(found[0])
-                page.get_by_role("tab", name="Parameters").click()
-                for kind, name in CHARTS:
-                    add(page, kind, name)
-                yield page, server.pid
-                page.close()
-            finally:
-                server.terminate()
+        with serving(path, "--paused", folder=folder) as (address, process):
+            page = browser.new_page(viewport={"width": 1280, "height": 1100})
+            page.set_default_timeout(600_000)  # ms: it may be busy with more than this
+            page.goto(address)
+            page.get_by_role("tab", name="Parameters").click()
+            for kind, name in CHARTS:
+                add(page, kind, name)
+            yield page, process
+            page.close()
+
+
+@contextmanager
+def serving(
+    scene: Path, *options: str, folder: Path = Path(sys.executable).parent
+) -> Iterator[tuple[str, int]]:
+    """Address and process of a live view of a scene, of the rodgen of a folder."""
+    command = [str(folder / "rodgen"), "view", str(scene), "--port=0", "--no-open", *options]
+    with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as server:
+        try:
+            assert server.stdout is not None
+            found = re.search(r"http://\S+", server.stdout.readline())
+            assert found is not None
+            yield found[0], server.pid
+        finally:
+            server.terminate()
 
 
 def add(page: Page, kind: str, name: str) -> None:

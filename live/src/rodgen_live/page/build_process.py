@@ -1,47 +1,29 @@
 """Builder of a module in a process of its own, so that the caller stays responsive.
 
-    python -m rodgen_live.page.build_process < structure.json
+    python -m rodgen_live.page.build_process
 
-Afterwards it is in the cache. Every stage is a line of standard output. It can be ended by
-SIGTERM, and then ends its compiler.
+It reads a pickled structure; afterwards its module is in the cache. Every stage is a line of
+standard output. It can be ended by SIGTERM, and then ends its compiler.
 """
 
 from __future__ import annotations
 
-import json
+import pickle
 import signal
 import sys
-from dataclasses import asdict
-from typing import Any
 
 from rodgen.emit.targets import STEPS, required_parts
 from rodgen.errors import InputError
 from rodgen.loading.build import build_fastest
 from rodgen.native.library import BuildError
 from rodgen.progress import report_stages_to
-from rodgen.scene import Structure
-
-
-def dump(structure: Structure) -> str:
-    """Text of a structure, for the process to read."""
-    return json.dumps(asdict(structure))
-
-
-def parse(text: str) -> Structure:
-    """A structure from `dump`. Raises InputError, and ValueError for what is none."""
-    return Structure(**{key: _to_tuples(value) for key, value in json.loads(text).items()})
-
-
-def _to_tuples(value: Any) -> Any:
-    """Replace lists by tuples, nested ones too."""
-    return tuple(map(_to_tuples, value)) if isinstance(value, list) else value
 
 
 def main() -> None:
     """Build the module of the structure that is read from standard input."""
     # As an exception it reaches whoever waits for the compiler, which has a session of its own.
     signal.signal(signal.SIGTERM, lambda *_: sys.exit("it was ended"))
-    structure = parse(sys.stdin.read())
+    structure = pickle.load(sys.stdin.buffer)
     try:
         with report_stages_to(lambda stage: print(stage, flush=True)):
             build_fastest(structure, (*required_parts("c"), *STEPS))

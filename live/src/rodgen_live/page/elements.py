@@ -7,13 +7,13 @@ writes the key "connection", empty while it stands.
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable, Iterable, Mapping
 from pathlib import Path
-from typing import Any, Literal, NamedTuple
+from typing import Any, NamedTuple
 
 import nicegui
 from nicegui.element import Element
-from nicegui.events import GenericEventArguments
 
 from rodgen.model.palette import DARK, LIGHT, Colours, colours_of
 from rodgen.model.term import DRAG, FORCE, SPREAD, WEIGHT
@@ -22,8 +22,8 @@ from rodgen.model.terms import TERMS
 STATIC = Path(__file__).parents[1] / "static"
 LIBRARY = Path(nicegui.__file__).parent / "static"
 SHEETS = "vendor/uPlot.min.css", "page.css"
-ICONS = STATIC / "vendor" / "icons.woff2"  # made by `--update` of tests/live/test_appearance.py
-View = Literal["fixed", "centre", "axes"]
+ICONS = STATIC / "vendor" / "icons.woff2"  # made by `--update` of live/tests/test_appearance.py
+ICON_FONT = re.compile(r'"Material Icons";[^}]*url\([\'"]?(.*?)[\'"]?\)')
 TOOLS = LOOK, KICK, PULL = "look", "kick", "pull"  # what dragging from a link does
 
 
@@ -50,8 +50,22 @@ LAYERS = {
     "grid": Layer("grid"),
     "beside": Layer("run that is kept: beside, not behind", shown=False),
 }
+# Props of the picture at first, beside those that follow from its scene.
+FIRST: dict[str, Any] = {
+    "show": {name: layer.shown for name, layer in LAYERS.items()},
+    "view": "fixed",
+    "tool": PULL,
+    "hold": False,
+    "perMetre": 0.0,
+    "times": 1,
+    "mode": None,
+}
 
-SHOWN = {name: layer.shown for name, layer in LAYERS.items()}  # at first
+
+def icon_font() -> str | None:
+    """Path in LIBRARY of the font of all icons that there are, or None."""
+    found = ICON_FONT.search((LIBRARY / "fonts.css").read_text("utf-8"))
+    return found[1] if found else None
 
 
 def style_sheet() -> str:
@@ -60,17 +74,15 @@ def style_sheet() -> str:
     return colours + "\n".join((STATIC / sheet).read_text(encoding="utf-8") for sheet in SHEETS)
 
 
-Handler = Callable[[dict[str, Any]], object]
+class Component(Element):
+    """An element with props of these names (see static/)."""
+
+    def __init__(self, **props: Any) -> None:
+        super().__init__()
+        self._props.update(props)
 
 
-def _listen(element: Element, event: str, keys: list[str], handler: Handler) -> None:
-    def handle(arguments: GenericEventArguments) -> None:
-        handler({key: arguments.args.get(key) for key in keys})
-
-    element.on(event, handle, keys)
-
-
-class Keys(Element, component=STATIC / "keys.js"):
+class Keys(Component, component=STATIC / "keys.js"):
     """Keys of the whole page, by name as in KeyboardEvent.key, and what each of them does. Controls
     keep the keys that they use themselves, and the browser its shortcuts.
 
@@ -78,25 +90,20 @@ class Keys(Element, component=STATIC / "keys.js"):
     """
 
     def __init__(self, does: Mapping[str, Callable[[], object]], held: str = "") -> None:
-        super().__init__()
-        self._props.update(keys=list(does), held=list(held))
-        _listen(self, "key", ["key"], lambda e: does[e["key"]]())
+        super().__init__(keys=list(does), held=list(held))
+        self.on("key", lambda event: does[event.args["key"]]())
 
 
 class Aria(Element, component=STATIC / "aria.js"):
     """Corrections to the roles and labels of sliders and lists for screen readers. One a page."""
 
 
-class Channel(Element, component=STATIC / "channel.js", esm={"rodgen-live": str(STATIC)}):
+class Channel(Component, component=STATIC / "channel.js", esm={"rodgen-live": str(STATIC)}):
     """The WebSocket of the page at `address`, relative to the page's own host ("/live?id=..."),
-    opened again after 1 s to 5 s where it is lost. It shows nothing. One a page.
+    opened again every 2 s where it is lost. It shows nothing. One a page.
 
     Props: address.
     """
-
-    def __init__(self, address: str) -> None:
-        super().__init__()
-        self._props["address"] = address
 
 
 def arrows_of(names: Iterable[str]) -> list[dict[str, Any]]:
@@ -115,7 +122,7 @@ def arrows_of(names: Iterable[str]) -> list[dict[str, Any]]:
     ]
 
 
-class RodCanvas(Element, component=STATIC / "rod.js"):
+class RodCanvas(Component, component=STATIC / "rod.js"):
     """The rod as the newest state has it; fills the box that it is given (a height is needed).
 
     Arrays of a state: "joints", "omega" of the links, "moment", "forces:<term>" (of a load that
@@ -137,58 +144,25 @@ class RodCanvas(Element, component=STATIC / "rod.js"):
     Events: "kick" {link, share, dx, dy}: what was dragged from a link, at `share` (0 start, 1 end),
     in metres; "pull" {link, share, x, y}: it was taken hold of, and the pointer is at that place of
     the world [m]; "move" {x, y}: it is elsewhere; "release": it lets go.
-    Methods in the page: fit(), png(name).
+    Methods in the page: fit(), png(name), which has the browser download the picture.
     """
 
-    def __init__(self, view: View = "fixed") -> None:
-        super().__init__()
-        self._props.update(show=dict(SHOWN), loads=arrows_of(LOADS), view=view, tool=PULL)
-        self._props.update(
-            bodies=[], ties=[], bed=[], clampAngle=0.0, perMetre=0.0, times=1, mode=None
-        )
-        self._props.update(hold=False)
 
-    def set_props(self, **props: Any) -> None:
-        """Set props by name: bodies, ties, bed, view, tool, perMetre, hold, times, mode,
-        clampAngle."""
-        self._props.update(props)
+class TimeLine(Component, component=STATIC / "timeline.js"):
+    """A slider over the samples of the run with the changes and kicks marked on it, steps of a
+    sample to either side, and a loop from A to B; the channel carries where on it the page looks.
 
-    def show(self, **shown: bool) -> None:
-        """Switch layers on or off: show(trail=False)."""
-        self.set_props(show={**self._props["show"], **shown})
-
-    def show_rod(self, number: int, support: str, label: str, loads: Iterable[str]) -> None:
-        """Show another rod, with loads of these names; `number` is other than that of the one
-        before."""
-        self.set_props(rod=number, support=support, label=label, loads=arrows_of(loads))
-
-    def fit(self) -> None:
-        self.run_method("fit")
-
-    def png(self, name: str = "rod.png") -> None:
-        """Have the browser download the picture."""
-        self.run_method("png", name)
-
-    def on_kick(self, handler: Handler) -> None:
-        """Call handler({"link": int, "share": float, "dx": m, "dy": m}) after a drag."""
-        _listen(self, "kick", ["link", "share", "dx", "dy"], handler)
-
-    def on_pull(self, handler: Handler, moved: Handler, released: Handler) -> None:
-        """Call handler({"link": int, "share": float, "x": m, "y": m}) when a link is taken hold of,
-        moved({"x": m, "y": m}) as the pointer moves, and released({}) when it lets go."""
-        _listen(self, "pull", ["link", "share", "x", "y"], handler)
-        _listen(self, "move", ["x", "y"], moved)
-        _listen(self, "release", [], released)
+    Props: speed [simulated seconds per second] at which it plays.
+    Keys, on the slider: see page/toolbar.py.
+    """
 
 
-class Plots(Element, component=STATIC / "plots.js"):
+class Plots(Component, component=STATIC / "plots.js"):
     """Plots in a grid of one to three columns, each with buttons: pause, reset zoom, PNG, CSV,
-    remove; and dragged by its head. The page keeps at most 20000 rows of
-    each.
+    remove; and dragged by its head. The page keeps at most 20000 rows of each.
 
     A plot is zoomed by dragging over it, by the wheel with Ctrl or once it was clicked, by + - and
-    arrows; double click or 0 resets. While paused, and while zoomed after a run has begun anew,
-    rows are kept and not shown.
+    arrows; double click or 0 resets. While paused, rows are kept and not shown.
 
     Props: specs, a list of plots as JSON, in the order shown: {"id", "kind" ("time", "phase",
     "profile", "spectrum", "poincare", "sweep"), "title", "x": {"label", "unit", "log", "least",
@@ -197,56 +171,10 @@ class Plots(Element, component=STATIC / "plots.js"):
     what moves by less, the scale is that of this; period: by what a quantity jumps; turn: the whole
     turn of an angle, 0 if it has none; wrapped: whole turns are not shown.
     dashed: whether a curve of a sweep is. Events: "removed" {id}, "picked" {id, row} (of a sweep, a
-    click on a row), "moved" {ids} (all, in the new order), "wrapped" {id, wrapped}. They are
-    taken up in specs before a handler is called.
-    Rows that come before their plot are kept for it.
+    click on a row), "moved" {ids} (all, in the new order), "wrapped" {id, wrapped}: the page has
+    done so already. Method in the page: sweep(id, rows, marks), of which marks are lines at some
+    values. Rows that come before their plot are kept for it.
     """
-
-    def __init__(self) -> None:
-        super().__init__()
-        self.set_specs([])
-        _listen(self, "removed", ["id"], lambda e: self.drop(str(e["id"])))
-        _listen(self, "moved", ["ids"], lambda e: self._arrange(e["ids"]))
-        _listen(self, "wrapped", ["id", "wrapped"], lambda e: self._wrap(e["id"], e["wrapped"]))
-
-    @property
-    def specs(self) -> list[dict[str, Any]]:
-        return list(self._props["specs"])
-
-    def set_specs(self, specs: list[dict[str, Any]]) -> None:
-        """Show these plots, in their order."""
-        self._props["specs"] = specs
-        self.update()
-
-    def draw(self, plot: str, rows: list[float | None], marks: list[float]) -> None:
-        """Draw the rows of a sweep, and lines at some values."""
-        self.run_method("sweep", plot, rows, marks)
-
-    def drop(self, plot: str) -> None:
-        """Remove the plot of this id, if it is there."""
-        self.set_specs([spec for spec in self.specs if spec["id"] != plot])
-
-    def _arrange(self, ids: Any) -> None:
-        place = {plot: k for k, plot in enumerate(ids)} if isinstance(ids, list) else {}
-        self.set_specs(sorted(self.specs, key=lambda spec: place.get(spec["id"], len(place))))
-
-    def _wrap(self, plot: Any, wrapped: Any) -> None:
-        one = {"wrapped": bool(wrapped)}
-        self.set_specs([spec | one if spec["id"] == plot else spec for spec in self.specs])
-
-    def on_remove(self, handler: Callable[[str], None]) -> None:
-        _listen(self, "removed", ["id"], lambda e: handler(str(e["id"])))
-
-    def on_pick(self, handler: Callable[[str, int], None]) -> None:
-        _listen(self, "picked", ["id", "row"], lambda e: handler(str(e["id"]), int(e["row"])))
-
-    def on_move(self, handler: Callable[[list[str]], None]) -> None:
-        _listen(self, "moved", ["ids"], lambda e: handler([str(plot) for plot in e["ids"]]))
-
-    def on_wrap(self, handler: Callable[[str, bool], None]) -> None:
-        _listen(
-            self, "wrapped", ["id", "wrapped"], lambda e: handler(str(e["id"]), bool(e["wrapped"]))
-        )
 
 
 def _as_css(palette: Colours) -> str:

@@ -17,9 +17,9 @@ from jinja2 import Environment, FileSystemLoader, StrictUndefined
 from rodgen.errors import InputError
 from rodgen.integrate.solution import Solution
 from rodgen.scene import Scene
-from rodgen_live.page.elements import ICONS, LIBRARY, LOOK, SHOWN, STATIC, arrows_of, style_sheet
+from rodgen_live.page.elements import FIRST, ICONS, LIBRARY, LOOK, STATIC, style_sheet
 from rodgen_live.page.plots import first_plots
-from rodgen_live.page.rod_view import description, first_view, scene_props
+from rodgen_live.page.rod_view import first_view, scene_props
 from rodgen_live.plot_quantities import Catalogue
 from rodgen_live.replay import Replay, replay
 
@@ -91,31 +91,13 @@ def _run_json(scene: Scene, recorded: Replay) -> str:
     data = base64.b64encode(b"".join(messages)).decode()
     run: dict[str, Any] = {
         "title": scene.name,
-        "rod": _rod_props(scene),
+        "rod": FIRST | scene_props(scene) | {"view": first_view(scene), "tool": LOOK, "rod": 1},
         "plots": recorded.plots,
         "times": recorded.times,
         "ends": ends,
         "data": data,
     }
     return json.dumps(run, allow_nan=False)
-
-
-def _rod_props(scene: Scene) -> dict[str, Any]:
-    """Props of the picture (see RodCanvas)."""
-    return {
-        **scene_props(scene),
-        "show": dict(SHOWN),
-        "loads": arrows_of(scene.loads.terms),
-        "view": first_view(scene),
-        "support": scene.boundary_condition.start_drawing,
-        "label": description(scene),
-        "rod": 1,
-        "tool": LOOK,
-        "hold": False,
-        "perMetre": 0.0,
-        "times": 1,
-        "mode": None,
-    }
 
 
 def _module_addresses() -> Iterator[tuple[str, str]]:

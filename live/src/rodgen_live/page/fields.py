@@ -13,6 +13,13 @@ from rodgen.errors import InputError
 Put = Callable[[str], Awaitable[None]]
 Field = ui.input | ui.select
 
+# The style of all fields, switches and buttons of the page, those of the classes below included.
+ui.input.default_props("dense outlined")
+ui.input.default_classes("rg-wide")
+ui.select.default_props("dense outlined options-dense")
+ui.switch.default_props("dense")
+ui.button.default_props("no-caps")
+
 
 def heading(text: str, level: int = 2) -> ui.label:
     """The title of the page (level 1), or of a part of a panel."""
@@ -31,8 +38,9 @@ class IconButton(ui.button):
 
     def rename(self, label: str, icon: str) -> None:
         """Give the button another label and icon."""
-        self.props.update({"icon": icon, "aria-label": label})
-        self._hint.set_text(label)
+        if (icon, label) != (self.props.get("icon"), self._hint.text):
+            self.props.update({"icon": icon, "aria-label": label})
+            self._hint.set_text(label)
 
 
 @contextmanager
@@ -46,15 +54,50 @@ def dialog(
         yield made
         with ui.row():
             if verb:
-                ui.button(verb, on_click=act).props("no-caps")
-            ui.button("Cancel" if verb else "Close", on_click=made.close).props("flat no-caps")
+                ui.button(verb, on_click=act)
+            ui.button("Cancel" if verb else "Close", on_click=made.close).props("flat")
     made.on("hide", made.delete)
     made.open()
 
 
-def show_refusal(field: Field, refusal: str | None) -> None:
-    """Show beside a field, and to screen readers, why it is refused; None: it is fine."""
-    field.error = refusal
+def ask(
+    title: str,
+    verb: str,
+    texts: Mapping[str, tuple[str, str]],
+    take: Callable[[dict[str, str]], Awaitable[None]],
+) -> None:
+    """Open a dialog of text fields; texts: their labels and what stands there at first, by names.
+    `take` is given the texts by names, and may raise InputError: that is shown beside the field
+    that it names, or the last one."""
+
+    async def submit() -> None:
+        show_refusals(fields, {})
+        try:
+            await take({name: text_of(field) for name, field in fields.items()})
+        except InputError as error:
+            named = error.field.rpartition(".")[2]
+            shown = named if named in fields else [*fields][-1]
+            show_refusals(fields, {shown: f"must be {error.allowed}"})
+        else:
+            made.close()
+
+    with dialog(title, verb, submit) as made:
+        fields: dict[str, Field] = {
+            name: ui.input(label, value=text) for name, (label, text) in texts.items()
+        }
+        for field in fields.values():
+            field.props("hide-bottom-space").on("keydown.enter", submit)
+        fields[next(iter(fields))].props("autofocus")
+
+
+def text_of(field: Field) -> str:
+    """Text in a field, without blanks around it."""
+    return str(field.value or "").strip()
+
+
+def show_refusal(field: Field, refusal: str) -> None:
+    """Show beside a field, and to screen readers, why it is refused; empty: it is fine."""
+    field.error = refusal or None
     field.props(**{"add" if refusal else "remove": "aria-invalid=true"})
 
 
@@ -62,7 +105,7 @@ def show_refusals(fields: Mapping[str, Field], refusals: Mapping[str, str]) -> s
     """Show beside each field why it is refused, beside the others nothing; returns the refusals of
     names that have no field."""
     for name, field in fields.items():
-        show_refusal(field, refusals.get(name))
+        show_refusal(field, refusals.get(name, ""))
     return "; ".join(f"{name} {text}" for name, text in refusals.items() if name not in fields)
 
 
@@ -74,7 +117,7 @@ class Entry:
         """Build the field; long: in as many lines as the text takes."""
         self._put, self._taken = put, text
         self._asked: str | None = None  # what is being put: Enter is followed by leaving the field
-        self.field = ui.input(label, value=text).props("dense outlined no-error-icon")
+        self.field = ui.input(label, value=text).props("no-error-icon")
         self.field.classes("rg-entry")
         if unit:
             self.field.props(f'suffix="{unit}"')
@@ -84,49 +127,33 @@ class Entry:
         self.field.on("blur", self._leave)
 
     async def _leave(self) -> None:
-        text = str(self.field.value or "").strip()
+        text, refusal = text_of(self.field), ""
         if text == self._asked:
             return
-        if text == self._taken:
-            self.show_refusal("")
-            return
-        self._asked = text
-        try:
-            await self._put(text)
-        except InputError as error:
-            self.show_refusal(f"must be {error.allowed}")
-        else:
-            self._taken = text
-            self.show_refusal("")
-        finally:
-            self._asked = None
-
-    def show_refusal(self, refusal: str) -> None:
-        """Show why a text is refused; empty: it is fine."""
-        show_refusal(self.field, refusal or None)
-
-    def is_current(self, text: str) -> bool:
-        """Whether this is the value that was taken last."""
-        return text == self._taken
+        if text != self._taken:
+            self._asked = text
+            try:
+                await self._put(text)
+                self._taken = text
+            except InputError as error:
+                refusal = f"must be {error.allowed}"
+            finally:
+                self._asked = None
+        show_refusal(self.field, refusal)
 
     def show_file_value(self, text: str, filed: str | None) -> None:
         """Show the value of the scene's file, where it is another; None: that has none."""
-        said = None if filed in (None, text) else f"in the file: {filed or 'none'}"
-        if said == self.field.props.get("hint"):
-            return
-        self.field.props.pop("hint", None)
-        if said:
-            self.field.props["hint"] = said
-        self.field.classes(**{"add" if said else "remove": "rg-differs"})
-        self.field.update()
+        said = "" if filed in (None, text) else f"in the file: {filed or 'none'}"
+        if said != self.field.props.get("title", ""):
+            self.field.props["title"] = said  # a line more would move what is below
+            self.field.classes(**{"add" if said else "remove": "rg-differs"})
 
     def show(self, text: str) -> None:
         """Show a value that came from elsewhere; what is being typed is left alone."""
-        if text == self._taken:
-            return
-        self._taken = text
-        self.show_refusal("")
-        self.field.set_value(text)
+        if text != self._taken:
+            self._taken = text
+            show_refusal(self.field, "")
+            self.field.set_value(text)
 
 
 def parse_number(text: str, field: str) -> float:

@@ -7,14 +7,13 @@ import time
 from collections.abc import Callable
 from typing import Any
 
-from nicegui import background_tasks, ui
+from nicegui import ui
 
 from rodgen_live.page.fields import IconButton
 from rodgen_live.page.page_run import PageRun
 from rodgen_live.run.worker_process import ASIDE, Answer, PendingRequest
 
 COMPUTING = ""  # in the list, while there are no modes
-ASKED = "Mode shapes about the present state"
 AGAIN = 0.3  # seconds after which another state is looked for
 RESTS = 3  # times as long as modes took to be computed, until others are
 
@@ -26,14 +25,12 @@ class ModePanel:
     def __init__(self, page: PageRun, show: Callable[[dict[str, Any] | None], object]):
         """Build the button; show: draws displacements {re, im: x0, y0, ..., text}, or none."""
         self.page, self._show = page, show
-        self._on = False
         self._errand: PendingRequest | None = None
         self._of: object = None  # the state and the system of the errand, or of the modes
         self._begun = self._due = 0.0
         self._modes: list[dict[str, Any]] = []
-        IconButton("waves", ASKED, self._toggle)
-        self.list = ui.select({}, label="Mode", on_change=self._show_choice)
-        self.list.props("dense outlined options-dense").classes("rg-mode")
+        IconButton("waves", "Mode shapes about the present state", self._toggle)
+        self.list = ui.select({}, label="Mode", on_change=self._show_choice).classes("rg-mode")
         self.list.set_visibility(False)
         self._timer = ui.timer(AGAIN, self._request_modes, active=False)
         page.client.on_delete(self._cancel)
@@ -41,7 +38,7 @@ class ModePanel:
     def hide(self) -> None:
         """Hide the modes, and compute no others."""
         self._cancel()
-        self._on, self._of, self._modes = False, None, []
+        self._of, self._modes = None, []
         self._timer.deactivate()
         self.list.set_visibility(False)
         self._show(None)
@@ -52,14 +49,13 @@ class ModePanel:
             self._errand = None
 
     def _toggle(self) -> None:
-        if self._on:
+        if self._timer.active:
             self.hide()
             return
-        self._on, self._due = True, 0.0
+        self._due = 0.0
         self.list.set_options({COMPUTING: "computing"}, value=COMPUTING)
         self.list.set_visibility(True)
         self._timer.activate()
-        background_tasks.create(self._request_modes(), context=self.page.client)
 
     async def _request_modes(self) -> None:
         """Request the modes of the state that is shown, if the present ones are of another."""
@@ -70,40 +66,38 @@ class ModePanel:
             lambda: (run.page_sample, run.begun, run.live.system_with_support)
         )
         t, y, p = float(seen.t[-1]), seen.y[-1].tolist(), seen.p.tolist()
-        if not self._on or self._errand is not None or self._of == (t, p, begun, system):
+        if not self._timer.active or self._of == (of := (t, p, begun, system)):
             return
 
         def receive(answer: Answer) -> None:
             loop.call_soon_threadsafe(self._receive, answer)
 
-        self._of, self._begun = (t, p, begun, system), time.monotonic()
+        self._of, self._begun = of, time.monotonic()
         self._errand = ASIDE.submit("modes", system.scene, receive, t=t, y=y, p=p)
 
     def _receive(self, answer: Answer) -> None:
         if self._errand is None or self.page.client.is_deleted:
             return
-        if answer.refused:
-            with self.page.client:
+        with self.page.client:
+            if answer.refused:
                 self.hide()
-            self.page.notify(answer.refused)
-        elif answer.value is not None:
-            now, self._errand = time.monotonic(), None
-            self._due = now + RESTS * (now - self._begun)
-            with self.page.client:
+                self.page.notify(answer.refused)
+            elif answer.value is not None:
+                now, self._errand = time.monotonic(), None
+                self._due = now + RESTS * (now - self._begun)
                 self._list_modes(answer.value)
 
     def _list_modes(self, modes: list[dict[str, Any]]) -> None:
         """List these modes, and show the one with the number that was chosen before."""
-        number = int(self.list.value or 0) if self._modes else 0
+        number = min(int(self.list.value or 0), len(modes) - 1)
         self._modes = modes
-        names = {str(at): mode["name"] for at, mode in enumerate(modes)} or {
-            COMPUTING: "nothing oscillates"
-        }
-        chosen = str(min(number, len(modes) - 1)) if modes else COMPUTING
-        self.list.set_options(names, value=chosen)
+        names = {str(at): mode["name"] for at, mode in enumerate(modes)}
+        if modes:
+            self.list.set_options(names, value=str(number))
+        else:
+            self.list.set_options({COMPUTING: "nothing oscillates"}, value=COMPUTING)
         self._show_choice()
 
     def _show_choice(self) -> None:
-        if self._on:
-            at = self.list.value
-            self._show(None if at in (None, COMPUTING) else self._modes[int(at)])
+        at = self.list.value
+        self._show(self._modes[int(at)] if at and self._modes else None)

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import asyncio
+import pickle
 import subprocess
 import sys
-import tempfile
 import time
 from collections.abc import Callable
 from contextlib import suppress
@@ -14,7 +14,6 @@ from nicegui import ui
 
 from rodgen.errors import InputError
 from rodgen.scene import Scene, Structure
-from rodgen_live.page.build_process import dump
 
 MOST_LINKS = 2000  # of a live run: beyond, nothing of it is live
 ENDING = 2.0  # seconds
@@ -25,14 +24,10 @@ Stage = Callable[[str], None]
 
 
 class ModuleBuilder:
-    """Maker of modules that are not in the cache, until the server ends."""
+    """Maker of modules that are not in the cache; none is begun once the server `ends`."""
 
-    def __init__(self) -> None:
-        self._places, self._closed = asyncio.Semaphore(PLACES), False
-
-    def close(self) -> None:
-        """Refuse to make any other module, as the server ends. Signal handlers may call it."""
-        self._closed = True
+    def __init__(self, ends: Callable[[], bool] = lambda: False) -> None:
+        self._places, self._ends = asyncio.Semaphore(PLACES), ends
 
     async def build(self, structure: Structure, stage: Stage) -> None:
         """Make a module and put it into the cache; stage: told what is being done. Ends the process
@@ -43,7 +38,7 @@ class ModuleBuilder:
             )
         stage("waiting for others")
         async with self._places:
-            if self._closed:
+            if self._ends():
                 raise InputError(
                     "module", f"n = {structure.n_links}", "made before the server ends"
                 )
@@ -57,39 +52,41 @@ async def _build(structure: Structure, stage: Stage) -> None:
     run Python's hooks of a fork in the child, where the threads of the runs are gone.
     """
     loop = asyncio.get_running_loop()
-    with tempfile.TemporaryFile() as read, tempfile.TemporaryFile() as errors:
-        read.write(dump(structure).encode())
-        read.seek(0)
-        process = subprocess.Popen(
-            [sys.executable, "-P", "-m", "rodgen_live.page.build_process"],
-            stdin=read,
-            stdout=subprocess.PIPE,
-            stderr=errors,
-        )
-        stage("preparing")
-        watching = asyncio.create_task(
-            asyncio.to_thread(
-                _forward_lines, process, lambda line: loop.call_soon_threadsafe(stage, line)
-            )
-        )
-        try:
-            await asyncio.shield(watching)
-        finally:
-            if process.returncode is None:
-                await asyncio.to_thread(_end, process)
-        errors.seek(0)
-        lines = errors.read().decode(errors="replace").strip().splitlines()
+    process = subprocess.Popen(
+        [sys.executable, "-P", "-m", "rodgen_live.page.build_process"],
+        stdin=subprocess.PIPE,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.STDOUT,
+    )
+    stage("preparing")
+
+    def say(line: str) -> None:
+        with suppress(RuntimeError):  # the server has ended meanwhile
+            loop.call_soon_threadsafe(stage, line)
+
+    watching = asyncio.create_task(asyncio.to_thread(_watch, process, structure, say))
+    try:
+        last = await asyncio.shield(watching)
+    finally:
+        if process.returncode is None:
+            await asyncio.to_thread(_end, process)
     if process.returncode:
-        why = lines[-1] if lines else f"the process ended with {process.returncode}"
+        why = last or f"the process ended with {process.returncode}"
         raise InputError("module", f"n = {structure.n_links}", f"one that can be made ({why})")
 
 
-def _forward_lines(process: subprocess.Popen[bytes], say: Callable[[str], object]) -> None:
-    """Pass on the lines that a process prints, until it has ended."""
-    with process, suppress(RuntimeError):  # the server has ended meanwhile
+def _watch(process: subprocess.Popen[bytes], structure: Structure, say: Stage) -> str:
+    """Give a process its structure, and pass on the lines that it prints, until it has ended;
+    returns the last one, which is an error where there was one."""
+    line = ""
+    with process:
+        assert process.stdin is not None
         assert process.stdout is not None
-        for line in process.stdout:
-            say(line.decode(errors="replace").strip())
+        with suppress(BrokenPipeError), process.stdin:  # it may have ended already
+            pickle.dump(structure, process.stdin)
+        for read in process.stdout:
+            say(line := read.decode(errors="replace").strip())
+    return line
 
 
 def _end(process: subprocess.Popen[bytes]) -> None:
@@ -111,10 +108,9 @@ class BuildProgress:
         with ui.element("div").classes("rg-making").props('role="status"') as self._box:
             ui.spinner(size="1.2em")
             self._text = ui.label()
-            ui.button("Cancel", on_click=self._cancel).props("flat dense no-caps")
+            ui.button("Cancel", on_click=self.cancel).props("flat dense")
         self._box.set_visibility(False)
         self._what = self._stage = ""
-        self._cancelled = self._closed = False
         self._since = 0.0
         self._task: asyncio.Task[None] | None = None
         self._clock = ui.timer(0.25, self._tick, active=False)
@@ -124,34 +120,28 @@ class BuildProgress:
         be made, or was cancelled."""
         links = scene.rod.links
         self._what = f"{scene.name}, {links} link{'s' if links > 1 else ''}"
-        if self._closed:
-            raise self._refusal()
-        self._stage, self._since, self._cancelled = "preparing", time.monotonic(), False
+        refusal = InputError("module", self._what, "compiled first, which was cancelled")
+        if self._box.is_deleted:  # with its page
+            raise refusal
+        self._stage, self._since = "preparing", time.monotonic()
         self._clock.activate()
         self._task = asyncio.create_task(self._modules.build(scene.structure, self._set_stage))
         try:
             await self._task
         except asyncio.CancelledError:
-            if not self._cancelled:  # it is the server that ends
+            if self._task is not None:  # it is the server that ends
                 raise
-            raise self._refusal() from None
+            raise refusal from None
         finally:
             self._clock.deactivate()
-            if not self._closed:
+            if not self._box.is_deleted:
                 self._box.set_visibility(False)
 
-    def _refusal(self) -> InputError:
-        return InputError("module", self._what, "compiled first, which was cancelled")
-
-    def close(self) -> None:
-        """Cancel, and make nothing any more, as the page is gone."""
-        self._closed = True
-        self._cancel()
-
-    def _cancel(self) -> None:
+    def cancel(self) -> None:
+        """Cancel what is being made, if anything is."""
         if self._task is not None:
-            self._cancelled = True
             self._task.cancel()
+            self._task = None
 
     def _set_stage(self, stage: str) -> None:
         self._stage = stage

@@ -5,6 +5,7 @@ from __future__ import annotations
 import asyncio
 from collections.abc import Callable, MutableMapping
 from contextlib import suppress
+from dataclasses import dataclass
 from functools import partial
 from typing import Any
 
@@ -22,9 +23,7 @@ from rodgen_live.page.page_run import PANEL, VIEW, PageRun, Panel, notify
 from rodgen_live.page.plots import PlotsPanel
 from rodgen_live.page.rod_view import VIEWS, RodPanel, first_view
 from rodgen_live.page.sessions import Sessions
-from rodgen_live.page.structure_panel import StructurePanel
-from rodgen_live.page.text_panel import TextPanel
-from rodgen_live.page.timeline import TimeLine
+from rodgen_live.page.structure_panel import StructurePanel, TextPanel
 from rodgen_live.page.toolbar import Toolbar
 from rodgen_live.page.values_panel import ParametersPanel, ValuesPanel
 from rodgen_live.run.link import Link, apply_link
@@ -46,9 +45,12 @@ TURN_SHADE = f"""
     document.cookie = "{SHADE}=" + (dark ? 1 : 0) + "; path=/; max-age=31536000; samesite=lax";
 """
 # Until Quasar marks the body as light or dark.
-BEFORE = "body:not(.body--light, .body--dark) { background: %s; }"
-KEPT = {"0": BEFORE % LIGHT["behind"], "1": BEFORE % DARK["behind"]}
-UNKNOWN = KEPT["0"] + "@media (prefers-color-scheme: dark) { " + KEPT["1"] + " }"
+BEFORE = f"""
+    body:not(.body--light, .body--dark) {{
+        background: light-dark({LIGHT["behind"]}, {DARK["behind"]});
+        color-scheme: %s;
+    }}
+"""
 TABS: dict[str, Callable[[PageRun], Panel]] = {
     "Values": ValuesPanel,
     "Parameters": ParametersPanel,
@@ -58,22 +60,17 @@ TABS: dict[str, Callable[[PageRun], Panel]] = {
 }
 
 
+@dataclass
 class Page:
-    """A page that is being built for one of the runs of a server."""
+    """A page that is being built for one of the runs of a server; first: scene shown at first;
+    text: of its file, if it has one; moves: whether a run begins by itself."""
 
-    def __init__(
-        self,
-        sessions: Sessions,
-        modules: ModuleBuilder,
-        folder: SceneFolder,
-        first: Scene,
-        text: str,
-        moves: bool,
-    ):
-        """Prepare a page; first: scene shown at first; text: of its file, if it has one; moves:
-        whether a run begins by itself."""
-        self._sessions, self._modules = sessions, modules
-        self._folder, self._first, self._text, self._moves = folder, first, text, moves
+    sessions: Sessions
+    modules: ModuleBuilder
+    folder: SceneFolder
+    first: Scene
+    text: str
+    moves: bool
 
     async def show(self, packed: str) -> None:
         """Build the page: of the run that this tab had, of a scene in the address, or of the first
@@ -83,18 +80,17 @@ class Page:
         ui.add_css(style_sheet())
         _set_shade()
         self._root = ui.element("div").classes("rg-page")
-        self._progress = BuildProgress(self._modules)
-        client.on_delete(self._progress.close)
-        with self._sessions.arrival():
+        self._progress = BuildProgress(self.modules)
+        client.on_delete(self._progress.cancel)
+        with self.sessions.arrival():
             await client.connected()
             if client.is_deleted:  # it was asked for, and never shown
                 return
-            client.on_connect(
-                partial(_resend_elements, client)
-            )  # whenever it comes back from now on
+            # Whenever it comes back from now on.
+            client.on_connect(partial(_resend_elements, client))
             # Looked up once, as the connection may be gone for a moment later.
             tab = app.storage.tab
-            run = self._sessions.claim(tab.get(RUN))
+            run = self.sessions.claim(tab.get(RUN))
         ui.run_javascript(FORGET_TOKEN)
         name = str(tab.get(RUN))
         if run is None or packed not in ("", tab.get(PACKED)) or not await _has_no_page(run):
@@ -103,61 +99,53 @@ class Page:
                 return
         tab[RUN], tab[PACKED] = name, packed
         page = self._build(name, run, tab)
-        if self._moves and not run.greeted:
+        if self.moves and not run.greeted:
             page.submit(run.resume)
         run.greeted = True
 
     async def _open_run(
         self, packed: str, tab: MutableMapping[str, Any]
     ) -> tuple[str, LiveRun | None]:
-        """Open a run for this page: its name, and the run, or None with an error on the page."""
-        link, name = await self._link_or_first(packed) if packed else Link(self._first), ""
+        """Open a run for this page, of the first scene where the address cannot be used: its name,
+        and the run, or None with an error on the page."""
+        link, name = Link(self.first), ""
         try:
-            with self._sessions.reserve():
+            link = await asyncio.to_thread(Link.unpack, packed) if packed else link
+        except InputError as error:
+            notify(self._client, f"The scene in the address cannot be used: {error}")
+        try:
+            with self.sessions.reserve():
                 await self._progress.build(link.scene)
-                name = await asyncio.to_thread(self._sessions.open, link.scene)
+                name = await asyncio.to_thread(self.sessions.open, link.scene)
         except InputError as error:
             if not self._client.is_deleted:
                 with self._root:
                     ui.label(str(error)).classes("rg-failed")
-        run = self._sessions.get(name)
-        if self._client.is_deleted:  # it has gone meanwhile
-            self._sessions.close(name)
-            run = None
-        if run is not None:
-            run.texts = {self._first: self._text} if self._text else {}
-            tab[VIEW] = link.view if link.view in VIEWS else first_view(link.scene)
-            await self._apply_link(run, link)
-        return name, run
-
-    async def _link_or_first(self, packed: str) -> Link:
-        """Link in the address, or to the first scene where that cannot be used."""
+        run = self.sessions.get(name)
+        if run is None or self._client.is_deleted:  # it has gone meanwhile
+            self.sessions.close(name)
+            return name, None
+        run.texts = {self.first: self.text} if self.text else {}
+        tab[VIEW] = link.view if link.view in VIEWS else first_view(link.scene)
         try:
-            return await asyncio.to_thread(Link.unpack, packed)
-        except InputError as error:
-            notify(self._client, f"The scene in the address cannot be used: {error}")
-            return Link(self._first)
-
-    async def _apply_link(self, run: LiveRun, link: Link) -> None:
-        """Begin a run as a link says; what cannot be followed is told on the page."""
-        try:
-            await asyncio.wrap_future(run.submit(lambda: apply_link(run, link)))
+            await asyncio.wrap_future(run.submit(partial(apply_link, run, link)))
         except InputError as error:
             notify(self._client, f"The address cannot be followed in all: {error}")
+        return name, run
 
     def _build(self, name: str, run: LiveRun, tab: MutableMapping[str, Any]) -> PageRun:
-        page = PageRun(run, self._progress.build, self._client, self._root, tab, self._folder)
+        page = PageRun(run, self._progress.build, self._client, self._root, tab, self.folder)
         with self._root:
-            Channel(ADDRESS + name)
+            Channel(address=ADDRESS + name)
             Aria()
             bar = Toolbar(page, lambda: ui.run_javascript(TURN_SHADE))
             with ui.element("div").classes("rg-columns"):
                 with ui.element("div").classes("rg-left"):
-                    rod, line, plots = RodPanel(page), TimeLine(page), PlotsPanel(page)
+                    rod, plots = RodPanel(page), PlotsPanel(page)
                 with ui.element("aside").classes("rg-right") as aside:
                     aside.props('aria-label="Values and settings" tabindex=0')
                     tabs = _tabs(page)
-        page.panels = (bar, rod, line, *tabs, plots)
+        page.panels = (bar, rod, *tabs, plots)
         loop = asyncio.get_running_loop()
 
         def refresh_page() -> None:
@@ -211,7 +199,7 @@ async def _resend_elements(client: Client) -> None:
 def _set_shade() -> None:
     """Give the page the shade that was chosen last, from its first moment; else the browser's."""
     request = ui.context.client.request
-    kept = request.cookies.get(SHADE) if request else None
-    ui.add_css(KEPT.get(kept or "", UNKNOWN))
-    if kept in KEPT:
+    kept = request.cookies.get(SHADE, "") if request else ""
+    ui.add_css(BEFORE % {"0": "only light", "1": "only dark"}.get(kept, "light dark"))
+    if kept in ("0", "1"):
         ui.dark_mode(kept == "1")

@@ -3,16 +3,11 @@
 from __future__ import annotations
 
 import asyncio
-from collections.abc import (
-    Awaitable,
-    Callable,
-    Coroutine,
-    Mapping,
-    MutableMapping,
-)
+from collections.abc import Awaitable, Callable, Coroutine, Mapping, MutableMapping, Sequence
 from contextlib import suppress
+from dataclasses import dataclass, field
 from functools import partial
-from typing import Any, Protocol, TypeVar
+from typing import Any, ParamSpec, Protocol, TypeVar
 
 from nicegui import Client, app, background_tasks, ui
 from nicegui.element import Element
@@ -26,6 +21,7 @@ from rodgen_live.run.scene_text import SceneFolder, edited_text
 
 VIEW, PANEL = "view", "panel"  # chosen by the tab of a browser, which keeps them over a reload
 
+P = ParamSpec("P")
 T = TypeVar("T")
 Edit = Callable[[System], System]
 Make = Callable[[Scene], Awaitable[None]]
@@ -46,6 +42,7 @@ def notify(client: Client, text: str) -> None:
         ui.notify(text, type="warning", multi_line=True, close_button="Close", timeout=8000)
 
 
+@dataclass(eq=False)
 class PageRun:
     """A run and the page that shows it; when something has changed, all panels are refreshed.
 
@@ -56,20 +53,15 @@ class PageRun:
     comes between, from elsewhere on the page, is not lost.
     """
 
-    def __init__(
-        self,
-        run: LiveRun,
-        make: Make,
-        client: Client,
-        root: Element,
-        tab: MutableMapping[str, Any],
-        folder: SceneFolder,
-    ):
-        self.run, self.client, self.root, self.tab = run, client, root, tab
-        self.folder = folder
-        self.panels: tuple[Panel, ...] = ()
-        self.diagrams: dict[str, Diagram] = {}  # of sweeps, among the plots
-        self._make, self._making = make, asyncio.Lock()
+    run: LiveRun
+    make: Make
+    client: Client
+    root: Element
+    tab: MutableMapping[str, Any]
+    folder: SceneFolder
+    panels: tuple[Panel, ...] = ()
+    diagrams: dict[str, Diagram] = field(default_factory=dict)  # of sweeps, among the plots
+    _making: asyncio.Lock = field(default_factory=asyncio.Lock)
 
     @property
     def scene(self) -> Scene:
@@ -104,13 +96,13 @@ class PageRun:
         """Show a passing message."""
         notify(self.client, text)
 
-    async def call(self, work: Callable[[], T]) -> T:
+    async def call(self, work: Callable[P, T], *given: P.args, **named: P.kwargs) -> T:
         """Run work in the run's thread, and wait for its result."""
-        return await asyncio.wrap_future(self.run.submit(work))
+        return await asyncio.wrap_future(self.run.submit(partial(work, *given, **named)))
 
-    def submit(self, work: Callable[[], Any]) -> None:
+    def submit(self, work: Callable[P, Any], *given: P.args, **named: P.kwargs) -> None:
         """Run work in the run's thread without waiting for it; a refusal is shown."""
-        self.start_task(self.call(work))
+        self.start_task(self.call(work, *given, **named))
 
     def start_task(self, doing: Coroutine[Any, Any, object]) -> None:
         """Start a coroutine without waiting for it; a refusal is shown."""
@@ -123,27 +115,32 @@ class PageRun:
 
         background_tasks.create(report_refusal(), context=self.client)
 
-    async def change(self, changes: Mapping[str, Any], what: str) -> None:
-        """Change values of keys of the scene; what: in words, for the record. Raises InputError."""
-        await self.change_system(
-            lambda system: system.at(changes),
-            lambda system: self.run.change(system, what),
-            lambda before: self.run.undo.note(before, what),
-        )
+    async def change(
+        self, changes: Mapping[str, Any], what: str, y0: Sequence[float] | None = None
+    ) -> None:
+        """Change values of keys of the scene; what: in words, for the record; y0: the state in
+        which the run begins anew. Raises InputError."""
+        await self.change_system(lambda system: system.at(changes, y0=y0), what, y0 is not None)
 
-    async def run_scene(self, scene: Scene) -> None:
-        """Run another scene, from its start. Raises InputError."""
-        await self.change_system(
-            lambda _: System(scene),
-            self.run.switch_to,
-            lambda before: self.run.undo.note_scene(before, scene),
+    async def change_system(self, edit: Edit, what: str, anew: bool) -> None:
+        """Change to the system that `edit` makes of the present one; what: in words; anew: the run
+        begins at its start. Raises InputError."""
+        run = self.run
+        await self._change(
+            edit,
+            run.restart if anew else lambda system: run.change(system, what),
+            lambda before: run.undo.note(before, what, anew),
         )
 
     async def run_text(self, text: str) -> Scene:
         """Run the scene of a text, from its start. Raises InputError."""
         scene = await asyncio.to_thread(self.folder.parse, text)
         self.run.texts[scene] = text
-        await self.run_scene(scene)
+        await self._change(
+            lambda _: System(scene),
+            self.run.switch_to,
+            lambda before: self.run.undo.note_scene(before, scene),
+        )
         return scene
 
     async def undo(self, forth: bool = False) -> None:
@@ -162,55 +159,42 @@ class PageRun:
             else:
                 run.change(system, said)
 
-        await self.change_system(
-            lambda _: kept.system, act, lambda before: undo.note_move(before, forth)
-        )
+        await self._change(lambda _: kept.system, act, lambda now: undo.note_move(now, forth))
 
-    async def change_system(
+    async def _change(
         self, edit: Edit, act: Callable[[System], object], note: Callable[[System], object]
     ) -> None:
         """Change to the system that `edit` makes of the present one: `act` is given it in the run's
         thread if its module is that of the run; else that is made first, and the system begins from
         its start. `note` is given the system before, after success. Raises InputError."""
-        if await self._try_change(edit, act, note) is None:
-            return
-        async with self._making:
-            made = None
-            while (
-                wanted := await self._try_change(edit, self.run.switch_to, note, made)
-            ) is not None:
-                await self._make(wanted.scene)
-                made = wanted.structure
 
-    async def allow_pulls(self) -> None:
-        """Make the module by which the rod can be pulled, and let the run go on by it. Raises
-        InputError."""
-        if await self.call(self.run.allow_pulls) is None:
-            return
-        async with self._making:
-            made = None
-            while (wanted := await self.call(partial(self.run.allow_pulls, made))) is not None:
-                await self._make(wanted.scene)
-                made = wanted.structure
-
-    async def _try_change(
-        self,
-        edit: Edit,
-        act: Callable[[System], object],
-        note: Callable[[System], object],
-        made: Structure | None = None,
-    ) -> System | None:
-        """Change the system, and return None; or return the system whose module is to be made
-        first. made: the structure of a module that is there, beside that of the run."""
-
-        def work() -> System | None:
+        def work(made: Structure | None) -> System | None:
             before = self.run.live.system
             system = edit(before)
-            if system.structure not in (made, before.structure):
+            if system.structure == before.structure:
+                act(system)
+            elif system.structure == made:
+                self.run.switch_to(system)
+            else:
                 return system
-            act(system)
             note(before)
             self.run.told()
             return None
 
-        return await self.call(work)
+        await self._with_module(work)
+
+    async def allow_pulls(self) -> None:
+        """Make the module by which the rod can be pulled, and let the run go on by it. Raises
+        InputError."""
+        await self._with_module(self.run.allow_pulls)
+
+    async def _with_module(self, work: Callable[[Structure | None], System | None]) -> None:
+        """Run work in the run's thread, which returns a system whose module is to be made before
+        it is run again, or None; it is given the structure of the one that was made."""
+        if await self.call(work, None) is None:
+            return
+        async with self._making:
+            made = None
+            while (wanted := await self.call(work, made)) is not None:
+                await self.make(wanted.scene)
+                made = wanted.structure

@@ -2,15 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Awaitable, Callable, Iterator
-from functools import partial
+from collections.abc import Iterator
 from typing import Any
 
 from nicegui import ui
+from nicegui.events import GenericEventArguments
 
 from rodgen.errors import InputError
 from rodgen_live.page.elements import Plots
-from rodgen_live.page.fields import Field, dialog, parse_number, show_refusals
+from rodgen_live.page.fields import Field, dialog, parse_number, show_refusals, text_of
 from rodgen_live.page.page_run import PageRun
 from rodgen_live.page.quantity_field import QuantityField
 from rodgen_live.plot_quantities import KINDS, Catalogue
@@ -18,12 +18,12 @@ from rodgen_live.run.plot_spec import AXES, PLOT_KINDS
 from rodgen_live.run.sample_curves import DIRECTIONS
 
 OWN = "A quantity may be an expression: type it, such as phi_1 - phi_0 or d/dt(tip_x), and Enter."
-TITLE = {"title": "title (made from what is shown if empty)"}
+OVER_TIME = {"y": "quantities", "window": "window [s]"}
 # By kind of plot: what is asked, by the key of PlotSpec that it is for.
 FIELDS = {
-    "time": {"y": "quantities", "window": "window", **TITLE},
-    "difference": {"y": "quantities", "window": "window", **TITLE},
-    "phase": {"y": "quantity", "x": "over", "window": "window", **TITLE},
+    "time": OVER_TIME,
+    "difference": OVER_TIME,
+    "phase": {"y": "quantity", "x": "over", "window": "window [s]"},
     "poincare": {
         "y": "quantity",
         "x": "over",
@@ -31,15 +31,13 @@ FIELDS = {
         "value": "reaches the value",
         "every": "and again after every further (never if empty)",
         "direction": "while it is",
-        **TITLE,
     },
-    "profile": {"y": "kind of quantity", **TITLE},
-    "spectrum": {"y": "quantity", "window": "window", "axes": "axes", **TITLE},
+    "profile": {"y": "kind of quantity"},
+    "spectrum": {"y": "quantity", "window": "window [s]", "axes": "axes"},
 }
-CHOSEN: dict[str, dict[Any, str]] = {  # and by the key, what can be chosen, in words
-    "direction": dict(zip(DIRECTIONS, DIRECTIONS, strict=True)),
-    "axes": AXES,
-}
+TITLE = {"title": "title (made from what is shown if empty)"}  # is asked of all
+# By the key, what can be chosen, in words.
+CHOSEN: dict[str, Any] = {"direction": {name: name for name in DIRECTIONS}, "axes": AXES}
 TYPED = {"window": "10", "value": "0", "every": "", "title": ""}  # and what stands there at first
 
 
@@ -50,24 +48,19 @@ class PlotsPanel:
         self.page = page
         with ui.element("section").classes("rg-plots").props('aria-label="Plots"'):
             for label, icon, act in (
-                ("Add plot", "add_chart", self._open_dialog),
+                ("Add plot", "add_chart", lambda: PlotDialog(page)),
                 ("Flutter", "waves", self._add_flutter_plots),
             ):
-                ui.button(label, icon=icon, on_click=act).props("flat dense no-caps")
-            self.grid = Plots()
-        self.grid.on_remove(self._remove)
-        self.grid.on_move(self._arrange)
-        self.grid.on_wrap(self._wrap)
-        self.grid.on_pick(self._pick)
-        self._drawn: dict[str, object] = {}  # of diagrams: what the page has
+                ui.button(label, icon=icon, on_click=act).props("flat dense")
+            self.grid = Plots(specs=[])
+        self.grid.on("removed", lambda event: self._remove(event.args["id"]))
+        self.grid.on("moved", lambda event: page.submit(page.run.arrange_plots, event.args["ids"]))
+        self.grid.on("wrapped", self._wrap)
+        self.grid.on("picked", lambda event: self._pick(event.args["id"], event.args["row"]))
+        self._drawn: dict[str, Any] = {}  # of diagrams: rows and marks that the page has
         if not page.run.plots and not page.run.greeted:
-            for choice in first_plots(self.catalogue):
-                page.submit(partial(page.run.add_plot, choice))
-
-    @property
-    def catalogue(self) -> Catalogue:
-        """The quantities of the run."""
-        return self.page.run.catalogue
+            for choice in first_plots(page.run.catalogue):
+                page.submit(page.run.add_plot, choice)
 
     def refresh(self) -> None:
         """Show the plots that the run has now, and say what another rod does not have."""
@@ -77,16 +70,12 @@ class PlotsPanel:
         diagrams = self.page.diagrams
         specs = [plot.to_json() for plot in list(self.page.run.plots.values())]
         specs += [one.spec for one in diagrams.values()]
-        if specs != self.grid.specs:
-            self.grid.set_specs(specs)
-        for name, one in diagrams.items():
-            if (one.rows, one.marks) != self._drawn.get(name):
-                self.grid.draw(name, one.rows, one.marks)
-        self._drawn = {name: (one.rows, one.marks) for name, one in diagrams.items()}
-
-    async def add(self, choice: dict[str, Any]) -> None:
-        """Add a plot. Raises InputError."""
-        await self.page.call(lambda: self.page.run.add_plot(choice))
+        if specs != self.grid.props["specs"]:
+            self.grid.props["specs"] = specs
+        before, self._drawn = self._drawn, {k: (v.rows, v.marks) for k, v in diagrams.items()}
+        for name, drawn in self._drawn.items():
+            if drawn != before.get(name):
+                self.grid.run_method("sweep", name, *drawn)
 
     async def _add_flutter_plots(self) -> None:
         """Add the plots that show flutter, before all others."""
@@ -94,43 +83,39 @@ class PlotsPanel:
 
         def add() -> None:
             others = list(run.plots)
+            titles = [plot.spec.title for plot in run.plots.values()]
             for choice in flutter_plots(run.catalogue):
-                run.add_plot(choice)
+                if choice["title"] not in titles:  # as it is from a first press
+                    run.add_plot(choice)
             run.arrange_plots([*(name for name in run.plots if name not in others), *others])
 
         await self.page.call(add)
 
     def _remove(self, name: str) -> None:
         self.page.diagrams.pop(name, None)
-        self.page.submit(lambda: self.page.run.remove_plot(name))
+        self.page.submit(self.page.run.remove_plot, name)
 
-    def _wrap(self, name: str, wrapped: bool) -> None:
-        self.page.submit(lambda: self.page.run.wrap_plot(name, wrapped))
+    def _wrap(self, event: GenericEventArguments) -> None:
+        wrap = self.page.run.wrap_plot
+        self.page.submit(wrap, event.args["id"], bool(event.args["wrapped"]))
 
     def _pick(self, name: str, row: int) -> None:
         if (one := self.page.diagrams.get(name)) and row < len(one.points):
             self.page.start_task(one.take(one.points[row]))
 
-    def _arrange(self, ids: list[str]) -> None:
-        self.page.submit(lambda: self.page.run.arrange_plots(ids))
-
-    def _open_dialog(self) -> None:
-        with self.page.root:
-            PlotDialog(self.catalogue, self.add)
-
 
 class PlotDialog:
-    """Dialog that asks what to plot and has `add` do it; a refusal is shown beside its field."""
+    """Dialog that asks what to plot; a refusal is shown beside its field."""
 
-    def __init__(self, catalogue: Catalogue, add: Callable[[dict[str, Any]], Awaitable[None]]):
-        self.catalogue, self._put = catalogue, add
+    def __init__(self, page: PageRun):
+        self.page = page
         self.fields: dict[str, Field] = {}
         self.names: dict[str, QuantityField] = {}
-        with dialog("Add a plot", "Add", self._add) as self.dialog:
+        with page.root, dialog("Add a plot", "Add", self._add) as self.dialog:
             self.kind = ui.select(
                 PLOT_KINDS, value="time", label="kind of plot", on_change=self._show_fields
             )
-            self.kind.props("dense outlined").classes("rg-wide")
+            self.kind.classes("rg-wide")
             self.box = ui.element("div").classes("rg-knobs")
             ui.label(OWN).classes("rg-hint")
             self.refused = ui.label().classes("rg-failed").props('role="alert"')
@@ -142,12 +127,10 @@ class PlotDialog:
         self.box.clear()
         self.names = {}
         with self.box:
-            fields = FIELDS[self.kind.value]
+            fields = FIELDS[self.kind.value] | TITLE
             self.fields = {name: self._field(name, label) for name, label in fields.items()}
         for field in self.fields.values():
             field.value = before.get(field.label, field.value)
-        if "window" in self.fields:
-            self.fields["window"].props('suffix="s"')
         self._refuse({})
 
     def _field(self, name: str, label: str) -> Field:
@@ -157,35 +140,25 @@ class PlotDialog:
         elif name in CHOSEN:
             field = ui.select(CHOSEN[name], value=next(iter(CHOSEN[name])), label=label)
         elif name == "y" and self.kind.value == "profile":
-            along = {kind: KINDS[kind].title for kind in self.catalogue.along}
+            along = {kind: KINDS[kind].title for kind in self.page.run.catalogue.along}
             field = ui.select(along, label=label, with_input=True)
         else:
-            changed = self._show_units if name == "when" else None
-            self.names[name] = QuantityField(
-                self.catalogue, label, several=name == "y", changed=changed
-            )
+            several = name == "y" and label == "quantities"
+            self.names[name] = QuantityField(self.page.run.catalogue, label, several)
             return self.names[name].field
-        return field.props("dense outlined options-dense hide-bottom-space").classes("rg-wide")
-
-    def _show_units(self) -> None:
-        """Show beside the value that is reached the unit of the quantity that reaches it."""
-        for name in ("value", "every"):
-            self.fields[name].props["suffix"] = self.names["when"].unit
+        return field.props("hide-bottom-space").classes("rg-wide")
 
     def _choice(self) -> dict[str, Any]:
         """Choices for PlotSpec. Raises InputError for what is no number."""
         choice = {"kind": self.kind.value}
         for name, field in self.fields.items():
-            value = field.value
-            if name in TYPED:
-                value = str(value or "").strip()
-                if not value and not TYPED[name]:
-                    continue
-                value = value if name == "title" else parse_number(value, name)
-            choice[name] = value
-        for name, of in self.names.items():
-            chosen = of.names()
-            choice[name] = chosen if name == "y" else chosen[0]
+            if name in self.names:
+                chosen = self.names[name].names()
+                choice[name] = chosen if name == "y" else chosen[0]
+            elif name not in TYPED:
+                choice[name] = field.value
+            elif (text := text_of(field)) or TYPED[name]:
+                choice[name] = text if name == "title" else parse_number(text, name)
         return choice
 
     async def _add(self) -> None:
@@ -195,7 +168,7 @@ class PlotDialog:
         if empty:
             return
         try:
-            await self._put(self._choice())
+            await self.page.call(self.page.run.add_plot, self._choice())
         except InputError as error:
             name = error.field.removeprefix("plot.").partition("[")[0]
             # Which of a kind: that is said there.
@@ -209,17 +182,14 @@ class PlotDialog:
 
 
 def flutter_plots(catalogue: Catalogue) -> Iterator[dict[str, Any]]:
-    """Plots that show flutter: the angle of the tail against the other end over time, over its
-    rate, and its spectrum."""
-    angle, rate = (_against_first(catalogue.kinds[kind]) for kind in ("phi", "omega"))
-    yield {"kind": "time", "y": [angle], "window": 10.0, "title": "tail"}
-    yield {"kind": "phase", "x": angle, "y": [rate], "window": 10.0, "title": "phase plot"}
-    yield {"kind": "spectrum", "y": [angle], "window": 20.0, "title": "spectrum of the tail"}
-
-
-def _against_first(names: list[str]) -> str:
-    """Last of some quantities less the first of them."""
-    return f"{names[-1]} - {names[0]}" if len(names) > 1 else names[0]
+    """Plots that show flutter: how far the tail is aside over time, its rate over it, and its
+    spectrum; of a single link that turns, its angle."""
+    aside, rate = "tail_deflection", "tail_deflection_rate"
+    if len(catalogue.kinds["phi"]) < 2:
+        aside, rate = catalogue.kinds["phi"][0], catalogue.kinds["omega"][0]
+    yield {"kind": "time", "y": [aside], "window": 10.0, "title": "tail"}
+    yield {"kind": "phase", "x": aside, "y": [rate], "window": 10.0, "title": "phase plot"}
+    yield {"kind": "spectrum", "y": [aside], "window": 20.0, "title": "spectrum of the tail"}
 
 
 def first_plots(catalogue: Catalogue) -> Iterator[dict[str, Any]]:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable
+from collections.abc import Collection
 
 from nicegui import ui
 
@@ -12,35 +12,28 @@ from rodgen_live.page.fields import show_refusals
 from rodgen_live.plot_quantities import KINDS, Catalogue
 
 ALSO = {"centre": "cg", "centre_velocity": "cg"}  # what else is typed to find a kind
+STRETCH = re.compile(r"\s*(\d{1,6})\s*(?:-\s*(\d{1,6})\s*)?")
 NUMBERED = re.compile(r"_(\d+)(?=_|$)")
 
 
 class QuantityField:
     """Field that chooses quantities of a rod: a kind that goes along it is one row, with a field of
     its own for which of them once it is chosen, so that a long rod's list is as short as any.
-    several: more than one can be chosen; changed: called after each choice."""
+    several: more than one can be chosen."""
 
-    def __init__(
-        self,
-        catalogue: Catalogue,
-        label: str,
-        several: bool,
-        changed: Callable[[], None] | None = None,
-    ):
-        self.catalogue, self._changed = catalogue, changed
-        self.several = several and label == "quantities"
+    def __init__(self, catalogue: Catalogue, label: str, several: bool):
+        self.catalogue, self.several = catalogue, several
         self.families = {kind: _by_number(catalogue.kinds[kind]) for kind in catalogue.along}
         self.field = ui.select(
             self._options(),
             label=label,
             with_input=True,
-            multiple=self.several,
+            multiple=several,
             clearable=True,
             new_value_mode="add-unique",
             key_generator=str,
         )
-        self.field.props("dense outlined options-dense hide-bottom-space input-debounce=0")
-        self.field.props("use-chips" if self.several else "").classes("rg-wide")
+        self.field.props(f"hide-bottom-space {'use-chips' * several}").classes("rg-wide")
         self.field.on_value_change(self._build_entries)
         self.field.on("keydown.enter", lambda: self.field.run_method("hidePopup"))
         self._box = ui.element("div").classes("rg-knobs")
@@ -48,16 +41,17 @@ class QuantityField:
 
     def _options(self) -> dict[str, str]:
         """Labels of what can be chosen, by the name of a kind or of a quantity."""
-        options = {}
+        options, quantities = {}, self.catalogue.quantities
         for kind, names in self.catalogue.kinds.items():
             title, also = KINDS[kind].title, f", {ALSO[kind]}" if kind in ALSO else ""
+            first, last = (quantities[names[at]] for at in (0, -1))
+            unit = f" [{first.unit}]" if first.unit else ""
             if kind in self.families:
-                first, last = (self.catalogue.quantities[names[at]].label for at in (0, -1))
-                options[kind] = f"{title}, {first} to {last}  ({kind})"
+                options[kind] = f"{title}, {first.label} to {last.label}{unit}  ({kind})"
                 continue
             for name in names:
-                label = self.catalogue.quantities[name].label
-                options[name] = f"{label if label != name else title}{also}  ({name})"
+                label = quantities[name].label
+                options[name] = f"{label if label != name else title}{also}{unit}  ({name})"
         return options
 
     @property
@@ -67,32 +61,15 @@ class QuantityField:
 
     def _build_entries(self) -> None:
         """Build a field for each chosen kind along the rod, with the text that it had before."""
-        before = {kind: which.value for kind, which in self._which.items()}
+        before, self._which = self._which, {}
         self._box.clear()
-        with self._box:
-            wanted = [kind for kind in self._choices if kind in self.families]
-            self._which = {kind: self._entry(kind, before.get(kind)) for kind in wanted}
-        if self._changed:
-            self._changed()
-
-    def _entry(self, kind: str, text: str | None) -> ui.input:
-        numbers = sorted(self.families[kind])
-        shown = str(numbers[-1]) if text is None else text
-        entry = ui.input(
-            f"which {KINDS[kind].title}, {_allowed_text(numbers, self.several)}", value=shown
-        )
-        entry.props("dense outlined hide-bottom-space").classes("rg-wide")
-        return entry
-
-    @property
-    def unit(self) -> str:
-        """Unit of the first choice; empty without one."""
-        if not self._choices:
-            return ""
-        kind = self._choices[0]
-        quantity = self.catalogue.kinds[kind][0] if kind in self.families else kind
-        found = self.catalogue.quantities.get(quantity)
-        return found.unit if found else ""
+        for kind in self._choices:
+            if kind in self.families:
+                numbers = self.families[kind]
+                shown = before[kind].value if kind in before else str(max(numbers))
+                label = f"which {KINDS[kind].title}, {_allowed_text(numbers, self.several)}"
+                with self._box:
+                    self._which[kind] = ui.input(label, value=shown).props("hide-bottom-space")
 
     def names(self) -> list[str]:
         """Names of the chosen quantities; for a kind that was chosen as a whole its own. A number
@@ -104,7 +81,7 @@ class QuantityField:
                 continue
             numbered = self.families[chosen]
             try:
-                numbers = which(str(self._which[chosen].value or ""), list(numbered), self.several)
+                numbers = which(str(self._which[chosen].value or ""), numbered, self.several)
             except InputError as error:
                 show_refusals(self._which, {chosen: f"must be {error.allowed}"})
                 raise
@@ -113,24 +90,22 @@ class QuantityField:
         return found
 
 
-def which(text: str, known: list[int], several: bool) -> list[int]:
+def which(text: str, known: Collection[int], several: bool) -> list[int]:
     """Parse the numbers in a text such as "0, 5-9"; none for "all". Raises InputError for one that
     is not known, or for several where one is asked."""
     if several and text.strip() == "all":
         return []
     found: list[int] = []
     for part in text.split(","):
-        ends = re.fullmatch(r"\s*(\d{1,6})\s*(?:-\s*(\d{1,6})\s*)?", part)
+        ends = STRETCH.fullmatch(part)
         numbers = range(int(ends[1]), int(ends[2] or ends[1]) + 1) if ends else range(0)
-        if not numbers or numbers[0] not in known or numbers[-1] not in known:
-            raise InputError("which", text, _allowed_text(known, several))
-        found += numbers
-    if len(found) > 1 and not several:
+        found += numbers if numbers and numbers[-1] in known else [-1]
+    if not {*found} <= {*known} or (len(found) > 1 and not several):
         raise InputError("which", text, _allowed_text(known, several))
     return list(dict.fromkeys(found))
 
 
-def _allowed_text(known: list[int], several: bool) -> str:
+def _allowed_text(known: Collection[int], several: bool) -> str:
     ends = f"{min(known)} to {max(known)}"
     return f"of {ends}: such as 0, 5-9, or all" if several else f"one of {ends}"
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import errno
+import json
 import mimetypes
 import secrets
 import socket
@@ -13,21 +14,20 @@ from collections.abc import Callable
 from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
-from types import FrameType
+from types import NoneType
+from typing import Any
 
 import nicegui
 import uvicorn
 from fastapi import FastAPI, Response, WebSocket, WebSocketDisconnect
 from fastapi.middleware.gzip import GZipMiddleware
-from nicegui import app, background_tasks, ui
+from nicegui import app, ui
 
 from rodgen.errors import InputError
 from rodgen.scene import Scene
 from rodgen_live.page.access import OWN, TOKEN, AccessGuard
-from rodgen_live.page.answers import act_on_answer
-from rodgen_live.page.elements import STATIC
+from rodgen_live.page.elements import ICONS, STATIC, icon_font
 from rodgen_live.page.module_builder import ModuleBuilder
-from rodgen_live.page.nicegui_assets import replacements
 from rodgen_live.page.page import ADDRESS, Page
 from rodgen_live.page.sessions import Sessions
 from rodgen_live.page.sketch import sketch
@@ -45,16 +45,21 @@ SWEEP = 0.5  # seconds
 RECONNECT = 30.0
 PORT_ERRORS = (errno.EADDRINUSE, errno.EACCES)
 MOST_WAITING = 1024  # connections that wait to be taken up: more are cut off without a word
+# Instead of DOMPurify: the page shows no HTML of others. What is asked for is shown as text.
+PURIFIER = b"""export default new Proxy({}, { get: (_, name) =>
+    name === "sanitize" ? html => new Option(html).innerHTML : () => {} });
+"""
+LONGEST = 200  # letters of an answer; what is longer is cut, and so is no JSON
 GONE = 4404  # code of a WebSocket: there is no such run
 
 
 @dataclass(frozen=True)
 class ServerSettings:
     """Settings of the server. scene: shown first; folder: scenes to choose from; text: that the
-    scene was read from, if it was; host, port: where
-    the server listens, port 0: at any that is free; opens: whether a browser is started; moves:
-    whether a page begins with a run that moves, over the span of its scene and over again; said:
-    told the address, that for other machines where they are let in."""
+    scene was read from, if it was; host, port: where the server listens, port 0: at any that is
+    free; opens: whether a browser is started; moves: whether a page begins with a run that moves,
+    over the span of its scene and over again; said: told the address, that for other machines where
+    they are let in."""
 
     scene: Scene
     folder: Path
@@ -71,7 +76,7 @@ def serve(settings: ServerSettings) -> None:
     with _listen(settings.host, settings.port) as listening:
         token = None if settings.host in OWN else secrets.token_urlsafe(16)
         port = listening.getsockname()[1]
-        modules = ModuleBuilder()
+        modules = ModuleBuilder(lambda: server.should_exit)
         site = _build_site(settings, modules, *_addresses(settings.host, port, token))
         config = uvicorn.Config(
             AccessGuard(site, token, port),
@@ -79,24 +84,12 @@ def serve(settings: ServerSettings) -> None:
             ws_per_message_deflate=False,
             timeout_graceful_shutdown=2,
         )
-        misunderstood = UnreadableFilter()
+        server, misunderstood = uvicorn.Server(config), UnreadableFilter()
         misunderstood.attach()
         with suppress(KeyboardInterrupt):  # Ctrl-C: it has ended by then
-            LiveServer(config, modules).run(sockets=[listening])
+            server.run(sockets=[listening])
         if misunderstood.count:
             print(f"rodgen: {misunderstood.count} messages could not be read", file=sys.stderr)
-
-
-class LiveServer(uvicorn.Server):
-    """Server that begins no module once it was told to end."""
-
-    def __init__(self, config: uvicorn.Config, modules: ModuleBuilder):
-        super().__init__(config)
-        self._modules = modules
-
-    def handle_exit(self, sig: int, frame: FrameType | None) -> None:
-        self._modules.close()
-        super().handle_exit(sig, frame)
 
 
 def _build_site(
@@ -121,16 +114,17 @@ def _build_site(
         except InputError as error:
             return Response(str(error), 404, media_type="text/plain")
 
-    for place, content in replacements().items():
-        _replace(site, place, content)
+    _replace(site, "dompurify.mjs", PURIFIER)
+    if (font := icon_font()) is not None:
+        _replace(site, font, ICONS.read_bytes())
 
     async def begin() -> None:
         settings.said(told)
-        background_tasks.create(_close_idle(sessions))
         if settings.opens:
             await asyncio.to_thread(webbrowser.open, opened)
 
     app.on_startup(begin)
+    app.timer(SWEEP, sessions.close_idle)
     app.on_shutdown(sessions.close_all)
     ui.run_with(
         site,
@@ -156,12 +150,6 @@ def _replace(site: FastAPI, place: str, content: bytes) -> None:
     def answer() -> Response:
         # Asked for again: another rodgen may have less left out.
         return Response(content, headers={"Cache-Control": "no-cache"}, media_type=kind)
-
-
-async def _close_idle(sessions: Sessions) -> None:
-    while True:
-        await asyncio.sleep(SWEEP)
-        sessions.close_idle()
 
 
 def _addresses(host: str, port: int, token: str | None) -> tuple[str, str]:
@@ -191,17 +179,15 @@ def _network_name() -> str:
 def _listen(host: str, port: int) -> socket.socket:
     """Open a socket that holds the address from now on."""
     family = socket.AF_INET6 if ":" in host else socket.AF_INET
-    found = socket.socket(family, socket.SOCK_STREAM)
-    found.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
-    try:
-        found.bind((host, port))
-        found.listen(MOST_WAITING)  # so that the address answers as soon as it is told
+    both = ":" in host and socket.has_dualstack_ipv6()
+    try:  # listening, so that the address answers as soon as it is told
+        return socket.create_server(
+            (host, port), family=family, backlog=MOST_WAITING, dualstack_ipv6=both
+        )
     except OSError as error:
-        found.close()
-        reason = getattr(error, "strerror", None) or str(error)
         named, given = ("--port", port) if error.errno in PORT_ERRORS else ("--host", host)
+        reason = error.strerror or error
         raise InputError(named, given, f"one that can be listened on ({reason})") from None
-    return found
 
 
 async def serve_channel(socket: WebSocket, name: str, sessions: Sessions) -> None:
@@ -221,7 +207,11 @@ async def serve_channel(socket: WebSocket, name: str, sessions: Sessions) -> Non
     run.wake_up()
     sending = asyncio.create_task(_forward(socket, waiting))
     try:
-        await _take_answers(socket, run)
+        with suppress(RuntimeError):  # sending has found out first that the page is gone
+            async for text in socket.iter_text():
+                if not act_on_answer(run, text):
+                    await socket.close(1008, "not an answer")
+                    break
     finally:
         run.page.detach(send)
         sending.cancel()
@@ -233,10 +223,31 @@ async def _forward(socket: WebSocket, waiting: asyncio.Queue[bytes]) -> None:
             await socket.send_bytes(await waiting.get())
 
 
-async def _take_answers(socket: WebSocket, run: LiveRun) -> None:
-    # A RuntimeError: sending has found out first that the page is gone.
-    with suppress(WebSocketDisconnect, RuntimeError):
-        while True:
-            if not act_on_answer(run, await socket.receive_text()):
-                await socket.close(1008, "not an answer")
-                return
+def _look(run: LiveRun, t: float | None) -> None:
+    run.submit(run.look_at_present if t is None else lambda: run.look_at(t))
+
+
+# By key of the answer: classes of its value, and what comes of it.
+ANSWERS: dict[str, tuple[set[type], Callable[[LiveRun, Any], object]]] = {
+    "ack": ({int}, lambda run, frame: run.page.acknowledge(frame)),
+    "look": ({int, float, NoneType}, _look),
+    "step": ({int}, lambda run, by: run.submit(lambda: run.step_view(by))),
+    "keep": ({bool}, lambda run, keeps: run.submit(lambda: run.keep_runs(keeps))),
+    "branch": ({NoneType}, lambda run, _: run.submit(run.branch)),
+}
+
+
+def act_on_answer(run: LiveRun, text: str) -> bool:
+    """Act on an answer of a page: {"ack": number of a message} that it has drawn, {"look": t [s]}
+    or null for the present, {"step": samples}, {"keep": whether runs are kept as ghosts},
+    {"branch": null} for another run from here. Returns False for anything else."""
+    try:
+        # NaN and Infinity are no JSON.
+        ((key, value),) = json.loads(text[:LONGEST], parse_constant=int).items()
+        classes, act = ANSWERS[key]
+    except (ValueError, TypeError, KeyError, AttributeError, RecursionError):
+        return False
+    if type(value) not in classes:
+        return False
+    act(run, value)
+    return True

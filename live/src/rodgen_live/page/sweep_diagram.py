@@ -36,7 +36,13 @@ class Diagram:
         """Specification of the plot (see elements.Plots)."""
         axis = {"log": False, "least": 0.0, "period": 0.0, "turn": 0.0}
         series = [
-            {**axis, "name": name, "label": name, "unit": self.up[1], "dashed": name != SERIES[0]}
+            {
+                **axis,
+                "name": name,
+                "label": f"{self.up[0]}, {name}",
+                "unit": self.up[1],
+                "dashed": name != SERIES[0],
+            }
             for name in SERIES
         ]
         return {

@@ -2,47 +2,38 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable, Mapping
 from contextlib import suppress
 from typing import Any
 
 from nicegui import ui
-from nicegui.events import ValueChangeEventArguments
+from nicegui.element import Element
+from nicegui.events import GenericEventArguments, ValueChangeEventArguments
 
 from rodgen.errors import InputError
+from rodgen.scene import Scene
 from rodgen.scene.examples import first_sentence
-from rodgen_live.page.elements import Keys
-from rodgen_live.page.fields import IconButton, heading
+from rodgen_live.page.elements import STATIC, Component, Keys
+from rodgen_live.page.fields import IconButton, dialog, heading
 from rodgen_live.page.page_run import PageRun
-from rodgen_live.page.scene_file import ENDING, SceneFile
-from rodgen_live.page.shortcuts import SPACE, show_shortcuts
-from rodgen_live.run.live_run import PAUSED, RUNNING, STOPPED, LiveRun
+from rodgen_live.run.run_record import RUNNING, STOPPED
 from rodgen_live.run.scene_edits import LARGEST
+from rodgen_live.run.scene_text import refused_line
 
-SPEEDS = {
-    0.001: "0.001 ×",
-    0.01: "0.01 ×",
-    0.1: "0.1 ×",
-    0.25: "0.25 ×",
-    0.5: "0.5 ×",
-    1.0: "real time",
-    2.0: "2 ×",
-    5.0: "5 ×",
-    10.0: "10 ×",
-    100.0: "100 ×",
-    math.inf: "as fast as it goes",
-}
+SPEEDS = {str(v): f"{v:g} ×" for v in (1e-3, 0.01, 0.1, 0.25, 0.5, 1.0, 2.0, 5.0, 10.0, 100.0)}
+SPEEDS |= {"1.0": "real time", "inf": "as fast as it goes"}
 ADVICE = ". Reset it, or change a parameter, the method or its step to go on from there."
 LOST = ". Reset it: from a state this large, no other value leads on."
 AROUND = "in a loop"  # the state of a run that begins again at the end of its span
 OTHER = ""  # in the list of scenes: what is shown is none of the folder's; no file is called so
+ENDING = ".toml"
 AGAIN = "restore_page"
+UNDO, REDO = ("Undo", "Ctrl+z"), ("Redo", "Ctrl+Shift+z")
 SKETCH = "/live/sketch/"  # before the name of a scene of the folder: the address of its picture
-# What the list of scenes shows of each; v-if: the scene of the run itself may be no file.
+# What the list of scenes shows of each; v-if: of what is no file of the folder there is no picture.
 OPTION = f"""
     <q-item v-bind="props.itemProps" class="rg-scene">
-        <img v-if="!props.opt.label.endsWith(' (other)')" alt="" loading="lazy"
+        <img v-if="!/ \\((other|opened)\\)$/.test(props.opt.label)" alt="" loading="lazy"
             :src="'{SKETCH}' + encodeURIComponent(props.opt.label)">
         <q-item-section>
             <q-item-label>{{{{ props.opt.label }}}}</q-item-label>
@@ -51,6 +42,33 @@ OPTION = f"""
     </q-item>
 """
 MOST_COMPARED = 50  # files that the first scene of a page is looked for in
+SPACE = "space"
+TO_DO = (
+    "Drag the slider of a load past the mark at its critical value, and watch the rod.",
+    "Press Flutter below the rod to plot its tail: over time, as a phase plot, as a spectrum.",
+    "Choose another scene from the list, or write one under Text; ? shows this again.",
+)
+# What takes keys while it has the focus: static/rod.js, static/timeline.js,
+# static/chart_pointer.js.
+IN_FOCUS = {
+    "The rod, in focus": {
+        "← → ↑ ↓": "Move the picture",
+        "+ −": "Zoom, as the wheel does",
+        "0": "Fit the rod, as a double click does",
+        "Esc": "Let go of a kick or a pull",
+    },
+    "The time line, in focus": {
+        "← →": "A sample back or on",
+        "page up, page down": "A tenth of the line",
+        "Home, End": "The first sample, the present",
+        "a, b": "Ends of the loop",
+    },
+    "A plot, in focus": {
+        "+ −": "Zoom, as the wheel does",
+        "← →": "Move along it",
+        "0": "All of it, as a double click does",
+    },
+}
 
 
 class SceneList(ui.select):
@@ -64,43 +82,71 @@ class SceneList(ui.select):
             option["about"] = self.about.get(option["label"], "")
 
 
+class SceneFile(Component, component=STATIC / "scene_file.js"):
+    """A button that opens a dialog for files; chosen: given the text of one; refused: called for
+    what is longer than a scene, or no text.
+
+    NiceGUI's own upload has a route for every element, which FastAPI keeps with all of its page.
+    """
+
+    def __init__(self, chosen: Callable[[str], object], refused: Callable[[], object]) -> None:
+        super().__init__(ending=ENDING, most=LARGEST)
+        self._chosen, self._pieces = chosen, list[str]()
+        self.on("piece", self._add_piece).on("refused", refused)
+        pick = f'() => runMethod({self.id}, "pick", [])'
+        button = IconButton("folder_open", "Open a file").on("click", js_handler=pick)
+        button.classes("rg-open")
+
+    def _add_piece(self, event: GenericEventArguments) -> None:
+        self._pieces.append(str(event.args["text"]))
+        if sum(map(len, self._pieces)) > LARGEST:  # no browser of ours sends that
+            self._pieces.clear()
+        elif event.args["last"]:
+            text = "".join(self._pieces)
+            self._pieces.clear()
+            self._chosen(text)
+
+
 class Toolbar:
     """Buttons, keys and the state of the run."""
 
     def __init__(self, page: PageRun, turn_shade: Callable[[], object]):
         """Build the bar; turn_shade: from light to dark and back."""
         self.page, self._folder = page, page.folder
-        self._now: object = None
-        self._listing = False  # whether the list of scenes is being brought up to date
+        self._listed: object = None  # what the list of scenes was made of
         self._keys: dict[str, Callable[[], object]] = {}
         self._said: dict[str, str] = {}  # of keys: what they do
-        if page.run.files is None:
-            first = self._first_file()
-            page.run.files = {} if first == OTHER else {first: page.run.undo.file}
-            if first != OTHER:
-                page.run.texts.setdefault(page.run.undo.file, self._folder.text(first))
+        run, submit = page.run, page.submit
+        if run.files is None:
+            run.files = self._first_file()
         with ui.element("header").classes("rg-bar"):
             heading("rodgen", level=1).classes("rg-name")
             self.scenes = SceneList([], on_change=self._on_select, label="Scene")
-            self.scenes.props("dense outlined popup-content-class=rg-gallery").classes("rg-scenes")
+            self.scenes.props("popup-content-class=rg-gallery").classes("rg-scenes")
             self.scenes.add_slot("option", OPTION)
-            SceneFile(self._open_file, self._reject_file)
-            self.again = IconButton(AGAIN, "Load again", self._load_again)
-            self.go = self._control("play_arrow", "Run or pause", " ", self._go)
-            self.step = self._control("skip_next", "One step of the method", ".", self._step)
-            self._control("replay", "Reset to the initial state", "r", self._reset)
-            self.around = self._control("loop", "Loop over the span", "l", self._loop)
-            self.undo = self._control("undo", "Undo", "Ctrl+z", self._undo)
-            self.redo = self._control("redo", "Redo", "Ctrl+Shift+z", self._redo)
-            self.speed = ui.select(
-                {str(v): name for v, name in SPEEDS.items()},
-                value=str(page.run.pace.speed),
-                on_change=self._speed,
-                label="Speed",
-            ).props("dense outlined options-dense")
-            self.speed.classes("rg-speed")
+            SceneFile(lambda text: page.start_task(self._open(text)), self._reject_file)
+            self.again = IconButton(AGAIN, "Load again", lambda: self._load(self._loadable_file))
+            self.go = self._control(
+                "play_arrow",
+                "Run or pause",
+                " ",
+                lambda: submit(run.pause if run.status == RUNNING else run.resume),
+            )
+            self.step = self._control(
+                "skip_next", "One step of the method", ".", lambda: submit(run.one_step)
+            )
+            self._control("replay", "Reset to the initial state", "r", lambda: submit(run.restart))
+            self.around = self._control(
+                "loop", "Loop over the span", "l", lambda: submit(run.loop, not run.goes_round)
+            )
+            self.undo = self._control("undo", *UNDO, lambda: page.start_task(page.undo()))
+            self.redo = self._control("redo", *REDO, lambda: page.start_task(page.undo(forth=True)))
+            speed = ui.select(SPEEDS, value=str(run.pace.speed), label="Speed").classes("rg-speed")
+            speed.on_value_change(lambda event: submit(run.set_speed, float(event.value)))
             self._control("dark_mode", "Light or dark", "d", turn_shade).classes("rg-last")
-            self._control("help_outline", "Help and keys", "?", self._help).classes("rg-help")
+            self._control(
+                "help_outline", "Help and keys", "?", lambda: show_shortcuts(page.root, self._said)
+            ).classes("rg-help")
         with ui.element("div").classes("rg-now"):  # the place of what comes and goes
             self.state = ui.label().classes("rg-state").props('role="status"')
             _add_live_text("t", "s", "time")
@@ -109,76 +155,60 @@ class Toolbar:
             self.failure = ui.label().classes("rg-failure").props('role="alert"')
             with ui.element("div").classes("rg-rough").props('role="status"') as self.rough:
                 self.looking = ui.label()
-                self.back = ui.button(on_click=self._restore_tolerances).props("flat dense no-caps")
+                self.back = ui.button(on_click=lambda: submit(run.roughen, False))
+                self.back.props("flat dense")
         self.about = ui.label().classes("rg-about")
         Keys(self._keys, held=".")
 
     def _control(self, icon: str, label: str, key: str, act: Callable[[], object]) -> IconButton:
         """Add a button, and the key that does what it does."""
-        self._keys[key], self._said[SPACE if key == " " else key] = act, label
-        return IconButton(icon, f"{label} ({SPACE if key == ' ' else key})", act)
-
-    def _help(self) -> None:
-        """Open the dialog of keys."""
-        with self.page.root:
-            show_shortcuts(self._said)
+        shown = SPACE if key == " " else key
+        self._keys[key], self._said[shown] = act, label
+        return IconButton(icon, f"{label} ({shown})", act)
 
     def refresh(self) -> None:
         """Show the run as it is now."""
         run, scene = self.page.run, self.page.scene
-        self._refresh_undo()
-        here = (
-            run.status,
-            run.goes_round,
-            run.message,
-            run.taken,
-            run.undo.file,
-            self._loadable_file,
-        )
-        live = run.live
-        now = (*here, live.rough, live.settings, live.choice.method, scene.integrate)
-        if now == self._now:
-            return
-        self._now = now
+        for button, (verb, key), forth in ((self.undo, UNDO, False), (self.redo, REDO, True)):
+            kept = run.undo.next_state(forth)
+            button.set_enabled(kept is not None)
+            button.rename(f"{verb}{f': {kept.what}' if kept else ''} ({key})", verb.lower())
         running, stopped = run.status == RUNNING, run.status == STOPPED
         self.go.rename(*(("Pause (space)", "pause") if running else ("Run (space)", "play_arrow")))
         for button in (self.go, self.step):
             button.set_enabled(not stopped)
         self.around.props(f"aria-pressed={'true' if run.goes_round else 'false'}")
         self.state.set_text(AROUND if running and run.goes_round else run.status)
-        self.failure.set_text(said := _stop_message(run) if stopped else "")
-        self.failure.props["title"] = said  # it may be too long for its line
         self.failure.set_visibility(stopped)
-        self._update_scenes(scene.name)
-        own, used = scene.integrate, live.settings
+        if stopped:
+            advice = LOST if run.is_unusable else ADVICE
+            self.failure.set_text(run.message[:1].upper() + run.message[1:] + advice)
+            self.failure.props["title"] = self.failure.text  # it may be too long for its line
+        own, used, method = scene.integrate, run.live.settings, run.live.choice.method
         by = f"step {own.step:g} s" if own.has_fixed_step else f"rtol {own.rtol:g}"
-        method = live.choice.method
         self.looking.set_text(
             f"For looking: {used.method} at rtol {used.rtol:g}, as real time is missed with "
             f"{method}, {by}."
         )
         self.back.set_text(f"Back to {method}, {by}")
-        self.rough.set_visibility(bool(live.rough))
-
-    def _refresh_undo(self) -> None:
-        """Show what is undone next, and redone."""
-        buttons = (self.undo, "Undo", "Ctrl+z"), (self.redo, "Redo", "Ctrl+Shift+z")
-        for forth, (button, verb, key) in enumerate(buttons):
-            kept = self.page.run.undo.next_state(bool(forth))
-            button.set_enabled(kept is not None)
-            button.rename(f"{verb}{f': {kept.what}' if kept else ''} ({key})", verb.lower())
+        self.rough.set_visibility(bool(run.live.rough))
+        listed = run.taken, run.undo.file, self._loadable_file
+        if listed != self._listed:
+            self._listed = listed
+            self._update_scenes(scene.name)
 
     # Scenes of the folder ----------------------------------------------------------------------
 
-    def _first_file(self) -> str:
-        """File of the folder that holds the scene that the run was made of, or nothing."""
+    def _first_file(self) -> dict[str, Scene]:
+        """File of the folder that holds the scene that the run was made of, or none."""
         scene, folder = self.page.run.undo.file, self._folder
         names = sorted(folder.names(), key=lambda name: name != scene.name)  # the likely one first
         for name in names[:MOST_COMPARED]:
             with suppress(InputError):
                 if folder.scene(name) == scene:
-                    return name
-        return OTHER
+                    self.page.run.texts.setdefault(scene, folder.text(name))
+                    return {name: scene}
+        return {}
 
     @property
     def _loadable_file(self) -> str:
@@ -193,22 +223,18 @@ class Toolbar:
 
     def _update_scenes(self, present: str) -> None:
         """Update the list of scenes; present: name of the scene of the run."""
-        names = {
-            name: name for name in sorted({*self._folder.names(), self._loadable_file} - {OTHER})
-        }
-        other = {OTHER: f"{present} (other)"} if self._scene_file == OTHER else {}
-        self._listing = True
+        loadable, shown = self._loadable_file, self._scene_file
+        names = {name: name for name in sorted({*self._folder.names(), loadable} - {OTHER})}
+        other = {OTHER: f"{present} (other)"} if shown == OTHER else {}
         if names.keys() != self.scenes.about.keys():
             self.scenes.about = {name: self._about(name) for name in names}
-        self.scenes.set_options(names | other, value=self._scene_file)
-        self._listing = False
+        self.scenes.set_options(names | other, value=shown)
         text = self.page.run.texts.get(self.page.run.undo.file, "")
         self.about.set_text(first_sentence(text) or present)
-        self.again.rename(f"Load {self._loadable_file} again, as it is in its file", AGAIN)
-        self.again.set_enabled(self._loadable_file != OTHER)
+        self.again.rename(f"Load {loadable} again, as it is in its file", AGAIN)
+        self.again.set_enabled(loadable != OTHER)
 
     def _about(self, name: str) -> str:
-        """First sentence of a file of the folder."""
         with suppress(InputError):
             return first_sentence(self._folder.text(name))
         return ""
@@ -216,68 +242,55 @@ class Toolbar:
     def _on_select(self, event: ValueChangeEventArguments[Any]) -> None:
         """Load the scene that was chosen in the list. The list is compared with the run at once: by
         the time that the scene is loaded, it may show another."""
-        if not self._listing and event.value not in (None, OTHER, self._scene_file):
-            self.page.start_task(self._load(event.value))
-
-    async def _load_again(self) -> None:
-        await self._load(self._loadable_file)
-
-    async def _open_file(self, text: str) -> None:
-        """Load the scene of a file that was chosen in the browser."""
-        try:
-            await self.page.run_text(text)
-        except InputError as error:
-            self.page.notify(str(error))
+        if event.value not in (None, OTHER, self._scene_file):
+            self._load(event.value)
 
     def _reject_file(self) -> None:
         most = f"at most {LARGEST >> 20} MiB"
         self.page.notify(f"A scene is a file of UTF-8 text that ends in {ENDING}, of {most}")
 
-    async def _load(self, name: str) -> None:
+    def _load(self, name: str) -> None:
         """Load the scene of a file; if that fails, the present one stays, in the list too."""
+        run, files = self.page.run, self.page.run.files or {}
+        kept = name not in self._folder.names()  # of a file that was opened in the browser
+        text = run.texts[files[name]] if kept else self._folder.text(name)
+        self.page.start_task(self._run_file(text, lambda _: name))
+
+    async def _open(self, text: str) -> None:
+        """Run the scene of a file that was opened in the browser."""
         try:
-            scene = await self.page.run_text(self._folder.text(name))
-            before = {one: of for one, of in (self.page.run.files or {}).items() if one != name}
-            self.page.run.files = {**before, name: scene}
+            await self._run_file(text, lambda scene: f"{scene.name} (opened)")
         except InputError as error:
-            self.page.notify(str(error))
-        self._now = None
-        self.page.refresh()
+            line = refused_line(text, error)
+            self.page.notify(f"Line {line}: {error}" if line else str(error))
 
-    # What is done ------------------------------------------------------------------------------
-
-    def _go(self) -> None:
+    async def _run_file(self, text: str, name: Callable[[Scene], str]) -> None:
+        """Run the scene of a file, which can be loaded again by its name."""
         run = self.page.run
-        self.page.submit(run.pause if run.status == RUNNING else run.resume)
-
-    def _undo(self) -> None:
-        self.page.start_task(self.page.undo())
-
-    def _redo(self) -> None:
-        self.page.start_task(self.page.undo(forth=True))
-
-    def _step(self) -> None:
-        if self.page.run.status in (RUNNING, PAUSED):
-            self.page.submit(self.page.run.one_step)
-
-    def _restore_tolerances(self) -> None:
-        self.page.submit(lambda: self.page.run.roughen(False))
-
-    def _loop(self) -> None:
-        run = self.page.run
-        self.page.submit(lambda: run.loop(not run.goes_round))
-
-    def _reset(self) -> None:
-        self.page.submit(self.page.run.restart)
-
-    def _speed(self, event: ValueChangeEventArguments[Any]) -> None:
-        speed = float(event.value)
-        self.page.submit(lambda: self.page.run.set_speed(speed))
+        try:
+            scene = await self.page.run_text(text)
+            before = {one: of for one, of in (run.files or {}).items() if one != name(scene)}
+            run.files = {**before, name(scene): scene}
+        finally:
+            self._listed = None
+            self.page.refresh()
 
 
-def _stop_message(run: LiveRun) -> str:
-    """Say why the run has stopped, and what can be done."""
-    return run.message[:1].upper() + run.message[1:] + (LOST if run.is_unusable else ADVICE)
+def show_shortcuts(root: Element, everywhere: Mapping[str, str]) -> None:
+    """Open a dialog of keys; everywhere: what keys do that the whole page takes, by their names."""
+    with root, dialog("What to do, and keys"):
+        for line in TO_DO:
+            ui.label(line)
+        for title, keys in {"The page": everywhere, **IN_FOCUS}.items():
+            with ui.element("table").classes("rg-keys"):
+                with ui.element("caption"):
+                    ui.label(title)
+                for key, does in keys.items():
+                    with ui.element("tr"):
+                        with ui.element("th").props("scope=row"), ui.element("kbd"):
+                            ui.label(key)
+                        with ui.element("td"):
+                            ui.label(does)
 
 
 def _add_live_text(key: str, unit: str, label: str) -> None:

@@ -36,10 +36,9 @@ class UnreadableFilter(logging.Filter):
 
     def filter(self, record: logging.LogRecord) -> bool:
         """Whether a record is logged; one that is not is counted."""
-        if self._is_worth_logging(record):
-            return True
-        self.count += 1
-        return False
+        worth = self._is_worth_logging(record)
+        self.count += not worth
+        return worth
 
     def _is_worth_logging(self, record: logging.LogRecord) -> bool:
         if not record.exc_info or record.exc_info[1] is None:
@@ -54,9 +53,6 @@ class UnreadableFilter(logging.Filter):
 def _error_place(error: BaseException) -> Place | None:
     """Place within rodgen where an error was raised, or where rodgen called what raised it."""
     frames = traceback.extract_tb(error.__traceback__)
-    own = [
-        one
-        for one in frames
-        if not OWN.isdisjoint(Path(one.filename).parents) and one.filename != PASSED
-    ]
+    names = (one for one in frames if one.filename != PASSED)
+    own = [one for one in names if not OWN.isdisjoint(Path(one.filename).parents)]
     return (type(error), own[-1].filename, own[-1].lineno) if own else None

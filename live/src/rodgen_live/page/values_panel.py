@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from functools import partial
 
 from nicegui import ui
 from nicegui.events import GenericEventArguments
@@ -10,8 +11,14 @@ from nicegui.events import GenericEventArguments
 from rodgen.errors import InputError
 from rodgen.model.methods import FIXED_STEP, METHODS
 from rodgen.scene.integration import AUTO
-from rodgen.system import System
-from rodgen_live.page.fields import Entry, IconButton, format_number, heading, parse_number
+from rodgen_live.page.fields import (
+    Entry,
+    IconButton,
+    format_number,
+    heading,
+    parse_number,
+    show_refusal,
+)
 from rodgen_live.page.page_run import PageRun
 from rodgen_live.page.sweep_panel import SweepPanel
 from rodgen_live.panel_rows import TextRow, row_groups
@@ -73,53 +80,54 @@ class Knob:
     def __init__(self, page: PageRun, field: SceneField):
         self.page, self.field, self._scale = page, field, slider_scale(field)
         self._waiting: float | None = None  # where the slider is by now
-        self._swept: float | None = None  # critical value that a sweep has found
-        self._critical: float | None = None  # that of the run
+        self._critical: float | None = None  # of the run
         self.sweep: SweepPanel | None = None
-        text = field_text(field)
+        text, value = field_text(field), field.value
+        slides = value is not None and not field.of.fixed
         with ui.element("div").classes("rg-knob") as self._box:
-            long, slides = field.value is None, field.value is not None and not field.of.fixed
             with ui.element("div").classes("rg-head"):
-                self.entry = Entry(field.label, text, self._put_text, unit=field.unit, long=long)
+                self.entry = Entry(
+                    field.label, text, self._put, unit=field.unit, long=value is None
+                )
                 if slides and not field.whole:
                     IconButton("show_chart", f"Sweep of {field.label}", self._toggle_sweep)
-            self.slider: ui.slider | None = None
-            if field.value is not None and slides:
-                self.slider = ui.slider(min=0, max=STEPS, step=1, value=self._position(field.value))
-                self.slider.props(f'dense aria-label="{field.label}"')
-                self._set_aria_value(field.value)
-                self.slider.on("update:model-value", self._on_slide, throttle=THROTTLE)
-                self.slider.on("change", self._on_release)
+            self.slider = ui.slider(min=0, max=STEPS, step=1, value=self._position(value or 0.0))
+            self.slider.props(f'dense aria-label="{field.label}" aria-valuetext="{self._said}"')
+            self.slider.on("update:model-value", self._on_slide, throttle=THROTTLE)
+            self.slider.on("change", self._on_release).set_visibility(slides)
+
+    @property
+    def _said(self) -> str:
+        """Value of the slider for screen readers, which know its position."""
+        return f"{format_number(self.field.value)} {self.field.unit}"
+
+    @property
+    def _range(self) -> tuple[float, float]:
+        return self.field.slider_range(self._scale)
 
     def _toggle_sweep(self) -> None:
         """Add the sweep of a range below the slider, or remove it."""
-        if self.sweep is not None:
-            self.sweep.close()
-            self.sweep = None
+        before, self.sweep = self.sweep, None
+        if before is not None:
+            before.close()
             return
         with self._box:
-            low, high = self.field.slider_range(self._scale)
-            self.sweep = SweepPanel(self.page, self.field, (low, high), self._mark_swept)
-
-    def _mark_swept(self, critical: float | None) -> None:
-        """Mark what a sweep has found."""
-        self._swept = critical
-        self._mark()
+            self.sweep = SweepPanel(self.page, self.field, self._range, self._mark)
 
     def _mark(self) -> None:
-        """Mark the value on the slider at which stability changes, if it is in its range."""
-        critical = self._critical if self._swept is None else self._swept
-        low, high = self.field.slider_range(self._scale)
+        """Mark the value on the slider at which stability changes, if it is in its range: the one
+        that a sweep has found, else that of the run."""
+        swept = self.sweep.critical if self.sweep else None
+        critical = self._critical if swept is None else swept
+        low, high = self._range
         marks = []
         if critical is not None and low <= critical <= high:
             marks = [{"value": self._position(critical), "label": f"critical {critical:.4g}"}]
-        if self.slider is not None and self.slider.props.get(MARKS, []) != marks:
+        if self.slider.props.get(MARKS, []) != marks:
             self.slider.props[MARKS] = marks
-            self.slider.update()
 
     def _position(self, value: float) -> float:
-        """Position of a value on the slider."""
-        low, high = self.field.slider_range(self._scale)
+        low, high = self._range
         if self.field.is_logarithmic:
             share = math.log(max(value, low) / low) / math.log(high / low)
         else:
@@ -128,7 +136,7 @@ class Knob:
 
     def _value_at(self, place: float) -> float:
         """Value at a position of the slider, rounded to what a step of it resolves."""
-        low, high = self.field.slider_range(self._scale)
+        low, high = self._range
         share = place / STEPS
         if self.field.is_logarithmic:
             return min(high, max(low, float(f"{low * (high / low) ** share:.4g}")))
@@ -143,75 +151,51 @@ class Knob:
         try:
             while self._waiting is not None:
                 place = self._waiting
-                value = self._value_at(place)
-                self.entry.show(format_number(value))
-                await self._set(value)
+                text = format_number(self._value_at(place))
+                self.entry.show(text)
+                await self._put(text)
                 if self._waiting == place:
                     self._waiting = None
         except InputError as error:
-            self.entry.show_refusal(f"must be {error.allowed}")
+            show_refusal(self.entry.field, f"must be {error.allowed}")
         finally:
             self._waiting = None
 
     def _on_release(self, event: GenericEventArguments) -> None:
         """Extend the range of a slider that was pushed to its end."""
         value = self._value_at(float(event.args))
-        if (
-            float(event.args) in (0, STEPS)
-            and value
-            and not self.field.of.is_angle
-            and self.slider is not None
-        ):
+        if float(event.args) in (0, STEPS) and value and not self.field.of.is_angle:
             self._scale = abs(value)
             self.slider.set_value(self._position(value))
             self._mark()
 
-    async def _put_text(self, text: str) -> None:
+    async def _put(self, text: str) -> None:
+        """Change the number to that of a text, or to an expression. Raises InputError."""
         try:
             value: float | str = parse_number(text, self.field.key)
         except InputError:
-            value = text  # an expression, where the scene may have one there
-        await self._set(value)
-
-    async def _set(self, value: float | str) -> None:
-        shown = format_number(value) if isinstance(value, float) else value
-        await self.page.change(self.field.changes(value), f"{self.field.key} = {shown}")
-
-    def _set_aria_value(self, value: float) -> None:
-        """Tell screen readers the value of the slider, not its position."""
-        if self.slider is not None:
-            self.slider.props(f'aria-valuetext="{format_number(value)} {self.field.unit}"')
+            value = text  # where the scene may have one there
+        await self.page.change(self.field.changes(value), f"{self.field.key} = {text}")
 
     def refresh(self, field: SceneField, filed: SceneField | None, critical: float | None) -> None:
         """Show the value that the scene has now; filed: that of its file, which may have none;
         critical: the value at which the rod becomes unstable, if it is known."""
-        before, self.field = self.field, field
-        if critical != self._critical:
-            self._critical = critical
-            self._mark()
+        before, self.field, text = self.field, field, field_text(field)
+        self._critical = critical
         if field.label != before.label:  # of a number in an expression, which is written in it
-            self.entry.field.props["label"] = field.label
-            self.entry.field.update()
-            if self.slider is not None:
-                self.slider.props["aria-label"] = field.label
-                self.slider.update()
+            self.entry.field.props["label"] = self.slider.props["aria-label"] = field.label
         if self.sweep is not None:
             self.sweep.refresh(field)
-        self.entry.show_file_value(field_text(field), field_text(filed) if filed else None)
-        if field.value is None:
-            self.entry.show(field.text)
-            return
-        text = format_number(field.value)
-        if text == format_number(before.value) and self.entry.is_current(text):
-            return
+        self.entry.show_file_value(text, field_text(filed) if filed else None)
         self.entry.show(text)
-        if self.slider is None or (self.field.is_logarithmic and field.value <= 0):
+        if field.value is None:
             return
-        low, high = field.slider_range(self._scale)
+        low, high = self._range
         if not low <= field.value <= high:
             self._scale = slider_scale(field)
-            self._mark()
-        self._set_aria_value(field.value)
+        self._mark()
+        if field.value != before.value:
+            self.slider.props["aria-valuetext"] = self._said
         place = self._position(field.value)
         if self._waiting is None and self.slider.value != place:
             self.slider.set_value(place)
@@ -224,42 +208,32 @@ class ParametersPanel:
         self.page = page
         self._kinds: object = None
         self._knobs: dict[str, Knob] = {}
-        self._settings: dict[str, Entry] = {}
         heading("Parameters")
         self._box = ui.element("div").classes("rg-knobs")
         heading("Integration")
         with ui.element("div").classes("rg-knobs"):
             self.method = ui.select([AUTO, *METHODS], label="method", on_change=self._set_method)
-            self.method.props("dense outlined options-dense")
-            for name, unit in SETTINGS.items():
-                self._add_setting(name, unit)
+            self._settings = {
+                name: Entry(name.replace("_", " "), "", partial(self._set_number, name), unit=unit)
+                for name, unit in SETTINGS.items()
+            }
         self.looking = ui.switch("method and tolerance for looking", on_change=self._switch_looking)
         self.warned = ui.label().classes("rg-warned")
 
-    def _add_setting(self, name: str, unit: str) -> None:
-        async def put(text: str) -> None:
-            value = parse_number(text, f"integrate.{name}")
-            await self.page.change({f"integrate.{name}": value}, f"{name} = {text}")
-
-        self._settings[name] = Entry(name.replace("_", " "), "", put, unit=unit)
+    async def _set_number(self, name: str, text: str) -> None:
+        value = parse_number(text, f"integrate.{name}")
+        await self.page.change({f"integrate.{name}": value}, f"{name} = {text}")
 
     async def _set_method(self) -> None:
-        scene, method = self.page.scene, self.method.value
-        if method == scene.integrate.method:
+        """Change the method; one of fixed steps gets a step that is stable here."""
+        live, method = self.page.run.live, self.method.value
+        if method == self.page.scene.integrate.method:
             return
-        run = self.page.run
-
-        def with_method(system: System) -> System:
-            """Change the method; one of fixed steps gets a step that is stable here."""
-            step = run.live.step_for(method) if method in FIXED_STEP else None
-            return system.at({"integrate.method": method, "integrate.step": step})
-
         try:
-            await self.page.change_system(
-                with_method,
-                lambda system: run.change(system, f"method {method}"),
-                lambda before: run.undo.note(before, f"method {method}"),
-            )
+            fixed = method in FIXED_STEP
+            step = await self.page.call(live.step_for, method) if fixed else None
+            changes = {"integrate.method": method, "integrate.step": step}
+            await self.page.change(changes, f"method {method}")
         except InputError as error:
             self.page.notify(str(error))
             self.refresh()
@@ -267,7 +241,7 @@ class ParametersPanel:
     def _switch_looking(self) -> None:
         run, on = self.page.run, bool(self.looking.value)
         if on != bool(run.live.rough):
-            self.page.submit(lambda: run.roughen(on))
+            self.page.submit(run.roughen, on)
 
     def refresh(self) -> None:
         """Show the values that the scene has now."""
@@ -285,15 +259,13 @@ class ParametersPanel:
         for key, field in fields.items():
             mark = critical if key == key_of_load else None
             self._knobs[key].refresh(field, filed.get(key), mark)
-        settings = scene.integrate
+        settings, before = scene.integrate, self.page.run.undo.file.integrate
         if self.method.value != settings.method:
             self.method.set_value(settings.method)
         for name, entry in self._settings.items():
-            shown = format_number(getattr(settings, name))
+            shown, was = (format_number(getattr(one, name)) for one in (settings, before))
             entry.show(shown)
-            entry.show_file_value(
-                shown, format_number(getattr(self.page.run.undo.file.integrate, name))
-            )
+            entry.show_file_value(shown, was)
         self._settings["step"].field.set_visibility(settings.has_fixed_step)
         for name in ("rtol", "atol"):
             self._settings[name].field.set_visibility(not settings.has_fixed_step)

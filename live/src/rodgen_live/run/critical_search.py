@@ -17,7 +17,8 @@ COMPUTING = "computing"
 
 class CriticalSearch:
     """Critical force of a run's system. value: the force [N] for the system looked at last, or in
-    words why there is none, or None where no force follows the rod; mark: the key of the number
+    words why there is none, or None where no force follows the rod; rows, notes: those of the
+    result that it is of, as text, rows by their words; mark: the key of the number
     that is the size of that force, and the value of it that makes the force critical, while another
     one is computed that of the system before. do: has work done in the thread that all else is
     called in; done: called there when the value has come."""
@@ -33,11 +34,14 @@ class CriticalSearch:
         self._errand: PendingRequest | None = None
         self._since = 0.0
         self.value: float | str | None = None
+        self.rows: dict[str, str] = {}
+        self.notes: list[str] = []
         self.mark: tuple[str, float] | None = None
 
     def restart(self, system: System) -> None:
         """Schedule the computation for another system, if that has a critical force."""
         self.cancel()
+        self.rows, self.notes = {}, []
         following = [TERMS[name] for name in system.load_terms if TERMS[name].follows]
         if not any(term.has_size for term in following[:1]):
             self.value = self.mark = None
@@ -68,8 +72,10 @@ class CriticalSearch:
 
     def _receive(self, system: System, answer: Answer) -> None:
         if system is self._system and (answer.refused or answer.value is not None):
-            self.value = answer.refused or answer.value
-            self.mark = None if answer.refused else critical_number(system, answer.value)
+            found = answer.value or {}
+            self.rows, self.notes = found.get("rows", {}), found.get("notes", [])
+            self.value = answer.refused or found["value"]
+            self.mark = None if answer.refused else critical_number(system, found["value"])
             self._done()
 
 

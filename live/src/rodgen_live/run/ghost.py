@@ -9,7 +9,7 @@ import numpy as np
 from rodgen.arrays import Array
 from rodgen_live.plot_quantities import Catalogue
 from rodgen_live.run.plot import Plot
-from rodgen_live.run.plot_spec import LONGEST, counterpart
+from rodgen_live.run.plot_spec import LONGEST, counterpart, transfer
 from rodgen_live.run.sample_curves import resample
 from rodgen_live.sample_store import Chunk, SampleStore
 
@@ -41,13 +41,13 @@ class Ghost:
 
     def rows(self, plot: Plot, seen: Chunk) -> Array:
         """Rows of a plot for this run: of a profile those at the time of the seen sample, of a
-        spectrum those of the last seconds, else all. Energies count from where the other run
-        begins. No rows where this rod lacks one of its quantities."""
+        spectrum those of the last seconds, else all. No rows where this rod lacks one of its
+        quantities."""
         beside = self._own_plot(plot)
         if beside is None:
             return np.zeros((0, plot.width))
         if plot.spec.kind != "profile":
-            return beside.backlog(self.store.chunks(), self._reference_sample(plot.first))
+            return beside.backlog(self.store.chunks())
         t, (first, last) = float(seen.t[-1]), self.store.span
         found = beside.current_rows(self.store.nearest(t)) if first <= t <= last else None
         return np.zeros((0, plot.width)) if found is None else found
@@ -57,40 +57,24 @@ class Ghost:
         spec = plot.spec
         if spec.kind == "difference":
             return None
-        if spec.kind == "profile":
-            return Plot(spec, self.catalogue) if spec.y[0] in self.catalogue.along else None
-        names = self._own_names((*plot.names, spec.x, *filter(None, [spec.when])), plot.catalogue)
-        if names is None:
-            return None
-        y, (x, *when) = names[: len(plot.names)], names[len(plot.names) :]
+        names = spec.y if spec.kind == "profile" else plot.names
         window = spec.window if spec.kind == "spectrum" else LONGEST
-        own = replace(spec, y=y, x=x, when="".join(when), window=window)
-        return Plot(own, self.catalogue)
-
-    def _reference_sample(self, sample: Chunk | None) -> Chunk | None:
-        """A sample of the other run with the parameters of this one; None if its size differs."""
-        first = next(iter(self.store.chunks()))
-        same = sample is not None and sample.y.shape[1] == first.y.shape[1]
-        return replace(sample, p=first.p) if sample is not None and same else None
+        wanted = replace(spec, y=names, window=window)
+        own = transfer(wanted, spec.id, plot.catalogue, self.catalogue)
+        return Plot(own, self.catalogue) if own and len(own.y) == len(names) else None
 
     def values(self, names: tuple[str, ...], of: Catalogue, times: Array) -> Array:
         """Interpolate quantities of a rod at other times by cubics, (N, names); not-a-number where
         this run has none. of: the catalogue that names them."""
         found = np.full((len(times), len(names)), np.nan)
-        if (own := self._own_names(names, of)) is None:
+        own = tuple(filter(None, (counterpart(name, of, self.catalogue) for name in names)))
+        if len(own) < len(names):
             return found
         t, columns = self._all_samples(own)
         inside = (times >= t[0]) & (times <= t[-1]) if len(t) >= LEAST else np.zeros(0, dtype=int)
         for k in range(len(names) if np.any(inside) else 0):
             found[inside, k] = resample(t, columns[:, k], times[inside])
         return found
-
-    def _own_names(self, names: tuple[str, ...], of: Catalogue) -> tuple[str, ...] | None:
-        """Names that quantities of a rod have in this one, the tail's those of its tail; None where
-        it lacks one of them."""
-        found = [counterpart(name, of, self.catalogue) for name in names]
-        own = tuple(name for name in found if name is not None)
-        return own if len(own) == len(names) else None
 
     def _all_samples(self, names: tuple[str, ...]) -> tuple[Array, Array]:
         """Times and values of all samples; of two at one time, the later one."""

@@ -3,47 +3,55 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from abc import abstractmethod
+from collections.abc import Callable, Iterable
 from types import ModuleType
-from typing import Any, Protocol
+from typing import Any
 
 import numpy as np
 
 from rodgen.arrays import Array
 from rodgen_live.open_run import Live
 from rodgen_live.panel_rows import RunStatus, row_texts
-from rodgen_live.run.change_marks import ChangeMark, ChangeMarks
+from rodgen_live.run import message
+from rodgen_live.run.change_history import ChangeMark, ChangeMarks
 from rodgen_live.run.ghost import Ghost
-from rodgen_live.run.message import Named, Trail, encode, ghost_array, pull_array, rod_arrays
 from rodgen_live.run.plot import Plot
 from rodgen_live.run.sample_curves import thin
 from rodgen_live.sample_store import Chunk, SampleStore
 
 AHEAD = 2  # messages that are sent before one is acknowledged
 TEXTS = 0.2  # seconds between two of them
-MOST_WAITING, LEAST = 2**18, 500  # numbers of a plot that wait for a page, rows at least
+MOST_WAITING = 2**18  # numbers of a plot that wait for a page
+TRAIL = "trail!"  # no name of a plot
+LONGEST_TRAIL = 300  # samples that wait: more between two pictures cannot be told apart
 Send = Callable[[bytes], None]
 
 
-class ShownRun(Protocol):
-    """Interface of a run that a page shows; see LiveRun."""
+class ShownRun:
+    """A run that a page shows. shown: the present sample; past: the earlier one that the page looks
+    back at, or None; begun: how many times it has begun at a start; repeats: whether this run is
+    like the one before; keeps: whether a run is kept when another begins; ghost: the one that is
+    kept."""
 
     status: str
-    begun: int
-    repeats: bool
     live: Live
     model: ModuleType
     store: SampleStore
     marks: ChangeMarks
     plots: dict[str, Plot]
-    past: Chunk | None
-    ghost: Ghost | None
-    keeps: bool
+    shown: Chunk
+    past: Chunk | None = None
+    ghost: Ghost | None = None
+    keeps = repeats = False
+    begun = 0
 
     @property
     def page_sample(self) -> Chunk:
-        """Sample that the page looks at."""
+        """Sample that the page looks at: the present, or one of the past."""
+        return self.past or self.shown
 
+    @abstractmethod
     def run_status(self) -> RunStatus:
         """State of the run for the panel of values."""
 
@@ -68,8 +76,7 @@ class PageState:
         self.came = 0  # how many pages have
         self._told: Connection | None = None  # the page to which the last message went
         self._frame = self._since = 0  # messages up to now, and before that page came
-        self._trail = Trail()
-        self._rows: dict[str, list[Array]] = {}
+        self._rows: dict[str, list[Array]] = {}  # that wait, by the name of a plot, or TRAIL
         self._replaced: set[str] = set()
         self._compared: set[str] = set()  # plots whose ghosts the page has not got
         self._texts: dict[str, str] = {}
@@ -117,21 +124,22 @@ class PageState:
         """Mark the picture as out of date."""
         self._dirty = True
 
-    def add_samples(self, plots: Mapping[str, Plot], chunk: Chunk) -> None:
+    def add_samples(self, run: ShownRun, chunk: Chunk) -> None:
         """Add samples to the trail and the plots."""
         self._dirty = True
-        self._trail.add(chunk)
-        for name, plot in plots.items():
+        apart = chunk.select(slice(None, None, max(1, len(chunk) // LONGEST_TRAIL)))
+        self._queue_rows(TRAIL, message.trail_points(run.model, apart), LONGEST_TRAIL)
+        for name, plot in run.plots.items():
             rows = plot.feed(chunk)
             if rows is not None:
-                self._queue_rows(name, rows)
+                self._queue_rows(name, rows, MOST_WAITING // rows.shape[1])
 
-    def _queue_rows(self, name: str, rows: Array) -> None:
+    def _queue_rows(self, name: str, rows: Array, most: int) -> None:
+        """Add rows that wait; of more than so many, half are dropped."""
         waiting = self._rows.setdefault(name, [])
         waiting.append(rows)
-        if sum(part.size for part in waiting) > MOST_WAITING:
-            rows = np.concatenate(waiting)
-            self._rows[name] = [thin(rows, max(LEAST, len(rows) // 2))]
+        if sum(map(len, waiting)) > most:
+            self._rows[name] = [thin(np.concatenate(waiting), most // 2)]
 
     def add_plot(self, plot: Plot, before: Iterable[Chunk]) -> None:
         """Add a plot, with rows of the samples before it."""
@@ -149,14 +157,11 @@ class PageState:
         self._compared.discard(name)
         self._replaced.discard(name)
 
-    def reset_run(self, plots: Mapping[str, Plot]) -> None:
-        """Clear the trail and all rows, as the run has begun again with these plots."""
-        self._rows, self._replaced = {}, set()
-        self._trail.restart()
-        for name, plot in plots.items():
-            plot.reset()
-            self._rows[name] = []
-            self._replaced.add(name)
+    def resend(self, run: ShownRun) -> None:
+        """Send the trail and the rows of all plots anew, from the samples that are kept."""
+        self._rows, self._replaced = {TRAIL: [message.trail_so_far(run.model, run.store)]}, {TRAIL}
+        for plot in run.plots.values():
+            self.add_plot(plot, run.store.chunks())
         self.invalidate()
 
     def reset_texts(self) -> None:
@@ -169,104 +174,77 @@ class PageState:
         """Send a message if there is something to show and the page can take it."""
         page = self._page
         if page is not None and page is not self._told:
-            self._begin_page(run)
+            self._since, self._texts, self._marks = self._frame, {}, None
+            self.resend(run)
         self._told = page
         if page is None or not self._dirty:
             return
         if self._frame - max(page.seen, self._since) >= AHEAD:
             return
-        message = self._message(run, self._frame + 1)
+        sent = self._message(run, self._frame + 1)
         self._dirty = any(plot.owes for plot in run.plots.values())
         self._frame += 1
-        page.send(message)
-
-    def _begin_page(self, run: ShownRun) -> None:
-        """Prepare to send everything to a page that has come."""
-        self._since, self._texts, self._marks = self._frame, {}, None
-        self._replaced.clear()
-        self._trail.restart()
-        for plot in run.plots.values():
-            self.add_plot(plot, run.store.chunks())
-        self.invalidate()
+        page.send(sent)
 
     def _message(self, run: ShownRun, frame: int) -> bytes:
         header: dict[str, Any] = {"frame": frame, "state": run.status, "begun": run.begun}
-        header["repeats"] = run.repeats
-        arrays: list[Named] = []
-        if np.isfinite(run.page_sample.y[-1]).all():
-            header["t"] = float(run.page_sample.t[-1])
-            header["origin"], arrays = rod_arrays(run.model, run.page_sample)
-            arrays.append(
-                pull_array(
-                    run.model, run.live.system_with_support, run.page_sample, header["origin"]
-                )
-            )
+        header |= {"repeats": run.repeats, "line": self._timeline(run)}
+        arrays: list[message.Named] = []
+        seen = run.page_sample
+        if np.isfinite(seen.y[-1]).all():
+            header["t"] = float(seen.t[-1])
+            header["origin"], arrays = message.rod_arrays(run.model, seen)
+            system = run.live.system_with_support
+            arrays.append(message.pull_array(run.model, system, seen, header["origin"]))
             if run.ghost:
                 header["kept"] = run.ghost.store.span
-                arrays.append(ghost_array(run.ghost.joints(header["t"]), header["origin"]))
-            name = "trail!" if self._trail.anew else "trail"
-            arrays.append((name, self._trail.pop(run.model, run.store).ravel()))
-        header["line"] = self._timeline(run)
+                joints = run.ghost.joints(header["t"]) - np.array(header["origin"])
+                arrays.append(("ghost", message.single_precision(joints)))
+            anew, places = self._pop_rows(TRAIL)
+            arrays.append(("trail!" if anew else "trail", places))
         now = time.perf_counter()
         if now - self._texts_at > TEXTS:
             self._texts_at = now
             header["texts"] = self._new_texts(run)
-        arrays += self._plot_arrays(run)
-        return encode(header, arrays)
+        return message.encode(header, arrays + self._plot_arrays(run))
 
     def _timeline(self, run: ShownRun) -> dict[str, Any]:
         """Header of the time line: its ends [s], the number of samples, the past time looked back
         at [s], if any; whether runs are kept; and all marks, if they have changed."""
-        first, last = run.store.span if run.store.count else (run.page_sample.t[-1],) * 2
+        first, last = run.store.span
         past = None if run.past is None else float(run.past.t[-1])
-        line: dict[str, Any] = {
-            "from": float(first),
-            "to": float(last),
-            "count": run.store.count,
-            "past": past,
-            "keeps": run.keeps,
-        }
+        line: dict[str, Any] = {"from": first, "to": last, "past": past}
+        line |= {"count": run.store.count, "keeps": run.keeps}
         if run.marks.every != self._marks:
-            self._marks = run.marks.every
-            line["marks"] = self._marks
+            line["marks"] = self._marks = run.marks.every
         return line
 
     def _new_texts(self, run: ShownRun) -> dict[str, str]:
-        """Texts that have changed since the message before."""
-        every = row_texts(run.live.system_with_support.scene, run.model, run.run_status())
+        every = row_texts(run.run_status())
         new = {key: text for key, text in every.items() if self._texts.get(key) != text}
         self._texts |= new
         return new
 
-    def _plot_arrays(self, run: ShownRun) -> list[Named]:
+    def _pop_rows(self, name: str) -> tuple[bool, Array]:
+        """Take the rows that wait, one after the other, and whether they replace those before."""
+        anew, waiting = name in self._replaced, self._rows.pop(name, [])
+        self._replaced.discard(name)
+        return anew, np.concatenate([np.zeros(0), *(part.ravel() for part in waiting)])
+
+    def _plot_arrays(self, run: ShownRun) -> list[message.Named]:
         """Arrays of the rows of plots that wait, and of the ghosts beside them."""
-        found: list[Named] = []
+        found: list[message.Named] = []
+        past = None if run.past is None else float(run.past.t[-1])
         for name, plot in run.plots.items():
             if name in self._compared or (run.ghost and plot.spec.kind == "profile"):
                 rows = run.ghost.rows(plot, run.page_sample) if run.ghost else np.zeros(0)
                 found.append((f"ghost:{name}", rows.ravel()))
-        self._compared.clear()
-        for name, plot in run.plots.items():
-            waiting = self._rows.pop(name, [])
-            present = (
-                plot.current_rows(run.page_sample, _samples_before(run, plot))
-                if plot.replaces
-                else None
-            )
+            before = None if past is None else run.store.chunks(past - plot.spec.window, past)
+            present = plot.current_rows(run.page_sample, before)
+            anew, rows = self._pop_rows(name)
             if present is not None:
-                found.append((f"plot!{name}", present.ravel()))
-            elif name in self._replaced:
-                every = np.concatenate(waiting) if waiting else np.zeros(0)
-                found.append((f"plot!{name}", every.ravel()))
-            elif waiting:
-                found.append((f"plot:{name}", np.concatenate(waiting).ravel()))
-            self._replaced.discard(name)
+                anew, rows = True, present.ravel()
+            if anew or len(rows):
+                found.append((f"plot{'!' if anew else ':'}{name}", rows))
+        self._compared.clear()
         return found
-
-
-def _samples_before(run: ShownRun, plot: Plot) -> Iterator[Chunk] | None:
-    """Samples that lead to the one of the past which is looked at, in the window of a plot."""
-    if run.past is None:
-        return None
-    t = float(run.past.t[-1])
-    return run.store.chunks(t - plot.spec.window, t)

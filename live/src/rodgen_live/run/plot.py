@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable
 from typing import Any, Protocol
 
 import numpy as np
@@ -23,11 +23,15 @@ from rodgen_live.sample_store import Chunk
 
 # Over time energy in gravity counts from there: else a height far from zero swamps all.
 FROM_START = {"gravity_energy": "from the start", "total_energy": "with gravity from the start"}
+PLANES = "phase", "poincare"  # plots of one quantity over another
 TURNED = "time", "phase", "poincare", "profile"  # plots of angles without their whole turns
 NO_JUMPS = {"period": 0.0, "turn": 0.0}
 MOST_SERIES = 200  # of one plot; of more, every k-th is shown
 SPECTRA = 0.25  # seconds of wall time between two
 PIECE = 1024  # samples that are taken at once
+# Of a spectrum on linear axes: what part of its peak is not seen; how many times as far as the
+# last frequency that is, it goes, and how many frequencies at least.
+UNSEEN, BEYOND, LEAST_BINS = 1e-2, 2, 32
 
 
 class ReferenceRun(Protocol):
@@ -56,69 +60,47 @@ class Plot:
         self.stride = -(-len(every) // (MOST_ROWS if spec.kind == "profile" else MOST_SERIES))
         self.names = every[:: self.stride]
         self.replaces = spec.kind in ("profile", "spectrum")
-        self._window = Window(spec.window)
-        period = PERIODS.get(spec.when, 0.0)
-        condition = SectionCondition(spec.value, spec.direction, spec.every, period)
-        self._section = PoincareSection(condition)
+        # Quantities in the row of a sample, the last of a section that which reaches the value.
+        over = (spec.x,) if spec.kind in PLANES else ()
+        reached = (spec.when,) if spec.kind == "poincare" else ()
+        self._row_names = ("t", *over, *self.names, *reached)
+        self.width = 2 if self.replaces else len(self._row_names) - len(reached)
+        heavy = spec.kind == "time" and "gravity_energy" in catalogue.quantities
+        self._from_start = FROM_START if heavy else {}
         self._least = {"x": catalogue.error_level([spec.x]), "y": catalogue.error_level(self.names)}
         self.reset()
 
     def reset(self) -> None:
         """Forget all samples, as before the first chunk."""
-        self._window.reset()
-        self._section.reset()
+        self._window, spec = Window(self.spec.window), self.spec
+        period = PERIODS.get(spec.when, 0.0)
+        condition = SectionCondition(spec.value, spec.direction, spec.every, period)
+        self._section = PoincareSection(condition)
         self._before: Chunk | None = None
         self._due, self.owes = -np.inf, False
-        self.first: Chunk | None = None  # sample of the run, from which energies count
-        self._start = 0.0  # energy in gravity there [J]
 
     def feed(self, chunk: Chunk) -> Array | None:
         """Take up a chunk; returns rows to append, of t and the values at that time, or None where
         there are none (always of profile and spectrum)."""
-        if not len(chunk):
+        kind = self.spec.kind
+        if not len(chunk) or kind == "profile":
             return None
-        rows = self._new_rows(chunk)
-        return rows if rows is not None and len(rows) else None
-
-    def _new_rows(self, chunk: Chunk) -> Array | None:
-        match self.spec.kind:
-            case "time":
-                return self.catalogue.columns(self._row_names, chunk) - self._offsets(chunk)
-            case "phase":
-                return self.catalogue.columns(self._row_names, chunk)
-            case "difference":
-                return self._subtract_reference(self.catalogue.columns(self._row_names, chunk))
-            case "poincare":
-                joined = self._before is None or _is_smooth(self._before, chunk)
-                self._before = chunk.last()
-                return self._section.feed(self.catalogue.columns(self._row_names, chunk), joined)
-            case "spectrum":
-                self._window.feed(chunk.t, self.catalogue.columns(self.names, chunk)[:, 0])
-        return None
-
-    def _offsets(self, chunk: Chunk) -> Array:
-        """Offsets of the columns over time: the energy in gravity at the start, or 0."""
-        raised = np.isin(self._row_names, self._energies_from_start)
-        if self.first is None and raised.any():
-            self._set_energy_origin(chunk.select(slice(1)))
-        return np.where(raised, self._start, 0.0)
-
-    def _set_energy_origin(self, first: Chunk) -> None:
-        self.first = first
-        self._start = float(self.catalogue.columns(("gravity_energy",), first)[0, 0])
-
-    @property
-    def _energies_from_start(self) -> tuple[str, ...]:
-        """Energies that are counted from the start."""
-        heavy = self.spec.kind == "time" and "gravity_energy" in self.catalogue.quantities
-        return tuple(FROM_START) if heavy else ()
-
-    def _subtract_reference(self, rows: Array) -> Array:
-        """Subtract the values of the run beside this one; not-a-number where there is none."""
-        rows[:, 1:] -= (
-            self.beside.values(self.names, self.catalogue, rows[:, 0]) if self.beside else np.nan
-        )
-        return rows
+        if kind == "spectrum":
+            self._window.feed(chunk.t, self.catalogue.columns(self.names, chunk)[:, 0])
+            return None
+        rows = self.catalogue.columns(self._row_names, chunk)
+        if kind == "time":
+            rows -= np.where(np.isin(self._row_names, list(self._from_start)), chunk.raised, 0.0)
+        elif kind == "difference":
+            beside = self.beside
+            rows[:, 1:] -= (
+                beside.values(self.names, self.catalogue, rows[:, 0]) if beside else np.nan
+            )
+        elif kind == "poincare":
+            joined = self._before is None or _is_smooth(self._before, chunk)
+            self._before = chunk.last()
+            rows = self._section.feed(rows, joined)
+        return rows if len(rows) else None
 
     def current_rows(self, chunk: Chunk, before: Iterable[Chunk] | None = None) -> Array | None:
         """Rows that replace those on the page, at the last sample: a profile, or a spectrum at most
@@ -142,59 +124,47 @@ class Plot:
         period = PERIODS.get(self.names[0])
         x = np.unwrap(window.x, period=period) if period else window.x
         rows = spectrum(window.t, x)
+        if self.spec.axes == "linear" and len(rows):  # beyond, nothing would be seen of it
+            seen = np.flatnonzero(rows[:, 1] > UNSEEN * rows[:, 1].max())
+            rows = rows[: BEYOND * (int(seen[-1]) if len(seen) else 0) + LEAST_BINS]
         self._due = self._clock() + SPECTRA
         return rows if len(rows) or before is not None else None
 
-    def backlog(self, before: Iterable[Chunk], first: Chunk | None = None) -> Array:
+    def backlog(self, before: Iterable[Chunk]) -> Array:
         """Rows of the samples before the plot was there, at most 5000: of a curve those of the last
         ``window`` seconds, thinned but with its extremes, of a section the last points; and the
-        present of the others. Rows of later chunks follow these. first: the sample from which
-        energies count, by default the first of all."""
+        present of the others. Rows of later chunks follow these."""
         self.reset()
         chunks = [chunk for chunk in before if len(chunk)]
-        if chunks and self.spec.kind == "time":
-            self._offsets(first or chunks[0])
-        if self.spec.kind != "poincare":
-            chunks = _last_seconds(chunks, self.spec.window)
-        rows = [found for chunk in _split_chunks(chunks) if (found := self.feed(chunk)) is not None]
+        if chunks and self.spec.kind != "poincare":
+            since = chunks[-1].t[-1] - self.spec.window
+            chunks = [one.select(slice(int(np.searchsorted(one.t, since)), None)) for one in chunks]
+        pieces = (
+            chunk.select(slice(first, first + PIECE))
+            for chunk in chunks
+            for first in range(0, len(chunk), PIECE)
+        )
+        rows = [found for piece in pieces if (found := self.feed(piece)) is not None]
         if self.replaces:
             found = self.current_rows(chunks[-1]) if chunks else None
             return np.zeros((0, 2)) if found is None else found
         every = np.concatenate(rows) if rows else np.zeros((0, self.width))
         return every[-MOST_ROWS:] if self.spec.kind == "poincare" else thin(every)
 
-    @property
-    def width(self) -> int:
-        """Number of columns of a row."""
-        if self.replaces:
-            return 2
-        unseen = self.spec.kind == "poincare"  # the quantity that reaches the value
-        return len(self._row_names) - unseen
-
-    @property
-    def _row_names(self) -> tuple[str, ...]:
-        """Quantities in the row of a sample."""
-        match self.spec.kind:
-            case "phase":
-                return ("t", self.spec.x, *self.names)
-            case "poincare":
-                return ("t", self.spec.x, *self.names, self.spec.when)
-        return ("t", *self.names)
-
     def to_json(self) -> dict[str, Any]:
         """Specification of the plot that the page draws it by, as JSON (see elements.Plots)."""
         x, y = self._axes()
-        plane = self.spec.kind in ("phase", "poincare")
+        some = f", one in {self.stride}" if self.stride > 1 else ""
         return {
             "id": self.spec.id,
             "kind": "time" if self.spec.kind == "difference" else self.spec.kind,
-            "title": title_of(self.spec, self.catalogue) + _stride_suffix(self.stride),
+            "title": title_of(self.spec, self.catalogue) + some,
             "x": {
                 "label": x[0],
                 "unit": x[1],
                 "log": self.spec.axes == "log",
                 "least": self._least["x"],
-                **(self._jumps(self.spec.x) if plane else NO_JUMPS),
+                **(self._jumps(self.spec.x) if self.spec.kind in PLANES else NO_JUMPS),
             },
             "y": {
                 "label": y[0],
@@ -208,10 +178,8 @@ class Plot:
         }
 
     def _series(self, one: PlotQuantity) -> dict[str, Any]:
-        """Name, label and unit of a curve, and how it jumps."""
         found = {**one._asdict(), **self._jumps(one.name)}
-        if one.name in self._energies_from_start:
-            words = FROM_START[one.name]
+        if words := self._from_start.get(one.name):
             found["name"] += f"_{words.replace(' ', '_')}"
             found["label"] += f" {words}"
         return {key: found[key] for key in ("name", "label", "unit", *NO_JUMPS)}
@@ -223,7 +191,6 @@ class Plot:
         return {"period": PERIODS.get(name, 0.0), "turn": TURNS.get(kind, 0.0) * turns}
 
     def _axes(self) -> tuple[tuple[str, str], tuple[str, str]]:
-        """Label and unit of x and y."""
         quantities = [self.catalogue.quantities[name] for name in self.names]
         units = {q.unit for q in quantities}
         kinds = {q.kind for q in quantities}
@@ -244,34 +211,7 @@ class Plot:
         return ("t", "s"), y
 
 
-def _stride_suffix(stride: int) -> str:
-    """End of the title where only every k-th quantity is shown."""
-    teens = stride // 10 % 10 == 1
-    ending = "th" if teens else {1: "st", 2: "nd", 3: "rd"}.get(stride % 10, "th")
-    return f", every {stride}{ending}" if stride > 1 else ""
-
-
 def _is_smooth(before: Chunk, after: Chunk) -> bool:
     """Whether neither a change nor a kick lies between two chunks."""
     same = before.p is after.p or np.array_equal(before.p, after.p)
     return same and (before.given, before.start) == (after.given, after.start)
-
-
-def _last_seconds(chunks: Sequence[Chunk], seconds: float) -> list[Chunk]:
-    """Samples of the last seconds, since the run started again at the latest."""
-    found: list[Chunk] = []
-    for chunk in reversed(chunks):
-        if found and chunk.t[-1] > found[-1].t[0]:
-            break
-        first = int(np.searchsorted(chunk.t, chunks[-1].t[-1] - seconds))
-        if first == len(chunk):
-            break
-        found.append(chunk.select(slice(first, None)))
-    return found[::-1]
-
-
-def _split_chunks(chunks: Sequence[Chunk]) -> Iterator[Chunk]:
-    """Split chunks into ones of at most PIECE samples."""
-    for chunk in chunks:
-        for first in range(0, len(chunk), PIECE):
-            yield chunk.select(slice(first, first + PIECE))

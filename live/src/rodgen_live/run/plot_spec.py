@@ -3,16 +3,18 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import asdict, dataclass, fields, replace
 from typing import Any
 
 from rodgen.errors import InputError
 from rodgen.model.quantities import OWN
+from rodgen.scene.plain_tables import is_number
 from rodgen.scene.structure import check_choice
 from rodgen.scene.tables import LARGEST
 from rodgen_live.plot_quantities import KINDS, Catalogue
 from rodgen_live.run.sample_curves import DIRECTIONS
+from rodgen_live.user_expression import NAME
 
 PLOT_KINDS = {
     "time": "over time",
@@ -23,7 +25,8 @@ PLOT_KINDS = {
     "spectrum": "spectrum",
 }
 AXES = {"linear": "linear", "log y": "amplitudes logarithmic", "log": "both logarithmic"}
-SHORTEST, LONGEST = 1e-6, 1e6  # seconds of a window
+LONGEST = 1e6  # seconds of a window
+BOUNDS = {"window": (1e-6, LONGEST), "value": (-LARGEST, LARGEST), "every": (0.0, LARGEST)}
 MOST_NAMES = 200
 
 
@@ -61,38 +64,38 @@ class PlotSpec:
         for name in ("id", "kind", "y"):
             if name not in choice:
                 raise InputError(f"plot.{name}", None, "given")
-        return _build_spec(dict(choice), catalogue)
+        y = (choice["y"],) if isinstance(choice["y"], str) else choice["y"]
+        if not (isinstance(y, list | tuple) and 0 < len(y) <= MOST_NAMES):
+            raise InputError("plot.y", y, f"1 to {MOST_NAMES} names of quantities")
+        spec = cls(**{**choice, "y": tuple(y)})
+        for name, fits, allowed in _checks(spec):
+            if not fits:
+                raise InputError(f"plot.{name}", choice[name], allowed)
+        check_choice("plot.kind", spec.kind, PLOT_KINDS)
+        check_choice("plot.direction", spec.direction, DIRECTIONS)
+        check_choice("plot.axes", spec.axes, AXES)
+        _check_names(spec, catalogue)
+        return spec
 
     def to_dict(self) -> dict[str, Any]:
         """Convert the specification to a table for `from_dict`, as JSON has it."""
         return {**asdict(self), "y": list(self.y)}
 
 
-def _build_spec(choice: dict[str, Any], catalogue: Catalogue) -> PlotSpec:
-    if not isinstance(choice["id"], str) or not re.fullmatch(r"[A-Za-z0-9_-]{1,32}", choice["id"]):
-        raise InputError("plot.id", choice["id"], "1 to 32 letters, digits, - and _")
-    check_choice("plot.kind", choice["kind"], PLOT_KINDS)
-    title = choice.get("title", "")
-    if not (isinstance(title, str) and len(title) <= 80 and (title.isprintable() or not title)):
-        raise InputError("plot.title", title, "at most 80 printable characters")
-    for name, low, high in (
-        ("window", SHORTEST, LONGEST),
-        ("value", -LARGEST, LARGEST),
-        ("every", 0.0, LARGEST),
-    ):
-        if name in choice:
-            choice[name] = _check_number(f"plot.{name}", choice[name], low, high)
-    check_choice("plot.direction", choice.get("direction", "rising"), DIRECTIONS)
-    check_choice("plot.axes", choice.get("axes", "linear"), AXES)
-    if not isinstance(choice.get("wrapped", True), bool):
-        raise InputError("plot.wrapped", choice["wrapped"], "true or false")
-    y = choice["y"]
-    y = (y,) if isinstance(y, str) else y
-    if not (isinstance(y, list | tuple) and 0 < len(y) <= MOST_NAMES):
-        raise InputError("plot.y", y, f"1 to {MOST_NAMES} names of quantities")
-    spec = PlotSpec(**{**choice, "y": tuple(y)})
-    _check_names(spec, catalogue)
-    return spec
+def _checks(spec: PlotSpec) -> Iterator[tuple[str, Any, str]]:
+    """Names of fields, whether their values are what they may be, and what that is."""
+    id_fits = isinstance(spec.id, str) and re.fullmatch(r"[A-Za-z0-9_-]{1,32}", spec.id)
+    yield "id", id_fits, "1 to 32 letters, digits, - and _"
+    title = isinstance(spec.title, str) and len(spec.title) <= 80 and f" {spec.title}".isprintable()
+    yield "title", title, "at most 80 printable characters"
+    yield "wrapped", isinstance(spec.wrapped, bool), "true or false"
+    for name, (low, high) in BOUNDS.items():
+        number = getattr(spec, name)
+        yield (
+            name,
+            is_number(number) and low <= number <= high,
+            f"a number from {low:g} to {high:g}",
+        )
 
 
 def _check_names(spec: PlotSpec, catalogue: Catalogue) -> None:
@@ -111,13 +114,6 @@ def _check_names(spec: PlotSpec, catalogue: Catalogue) -> None:
         catalogue.quantity(spec.x, "plot.x")
     if spec.kind == "poincare":
         catalogue.quantity(spec.when, "plot.when")
-
-
-def _check_number(field: str, value: Any, low: float, high: float) -> float:
-    number = isinstance(value, int | float) and not isinstance(value, bool)
-    if not (number and low <= value <= high):  # not-a-number is not between
-        raise InputError(field, value, f"a number from {low:g} to {high:g}")
-    return float(value)
 
 
 def title_of(spec: PlotSpec, catalogue: Catalogue) -> str:
@@ -149,10 +145,15 @@ def _label(name: str, catalogue: Catalogue) -> str:
     return KINDS[name].title
 
 
-def _matching_expression(text: str, after: Catalogue) -> str | None:
-    """Look up an expression in the catalogue of another rod; None where that cannot have it."""
+def _matching_expression(text: str, before: Catalogue, after: Catalogue) -> str | None:
+    """Look up an expression of one rod in the catalogue of another, its names as `counterpart` has
+    them; None where that cannot have it."""
+
+    def matching_name(found: re.Match[str]) -> str:
+        return counterpart(found[0], before, after) or found[0]
+
     try:
-        return after.quantity(text).name
+        return after.quantity(NAME.sub(matching_name, text)).name
     except InputError:
         return None
 
@@ -166,7 +167,7 @@ def counterpart(name: str, before: Catalogue, after: Catalogue) -> str | None:
         if len(known) > 1 and name == known[-1] and now:
             return now[-1]
         if kind == OWN:
-            return _matching_expression(name, after)
+            return _matching_expression(name, before, after)
     return name if name in after.quantities or name in after.kinds else None
 
 

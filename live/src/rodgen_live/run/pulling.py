@@ -2,11 +2,8 @@
 
 from __future__ import annotations
 
-from abc import abstractmethod
 from dataclasses import replace
-from types import ModuleType
 
-from rodgen.arrays import Array
 from rodgen.loading import build_fastest
 from rodgen.model.terms import PULL
 from rodgen.scene import Structure
@@ -14,38 +11,16 @@ from rodgen.system import System
 from rodgen_live.grid_recorder import Samples
 from rodgen_live.plot_quantities import Catalogue
 from rodgen_live.pull import Pull, widen_parameters, with_idle_support
-from rodgen_live.run.change_marks import ChangeMark
+from rodgen_live.run.change_history import ChangeMark
 from rodgen_live.run.plot import Plot
-from rodgen_live.run.plotting import PlotsMixin
-from rodgen_live.run.undo import Undo
-from rodgen_live.sample_store import Chunk, SampleStore
+from rodgen_live.run.run_record import RunRecord
 
 
-class PullMixin(PlotsMixin):
-    """The part of a LiveRun that kicks and pulls; the far end of a pull goes where it was moved
-    last, once a frame."""
+class PulledRun(RunRecord):
+    """A run whose rod can be kicked and pulled; the far end of a pull goes where it was moved last,
+    once a frame."""
 
-    model: ModuleType
-    past: Chunk | None
-    whole: SampleStore | None
-    undo: Undo
     _to: tuple[float, float] | None = None
-
-    @abstractmethod
-    def _begin_chunk(self, what: str, same: bool = False) -> None:
-        """Begin a new piece of samples."""
-
-    @abstractmethod
-    def _clear_stop(self) -> None:
-        """Turn a stopped run into a paused one, if its state is of use."""
-
-    @abstractmethod
-    def _sample_now(self) -> None:
-        """Take the present state as the sample to show."""
-
-    @abstractmethod
-    def _restart_clock(self) -> None:
-        """Count time from the state that is shown."""
 
     def allow_pulls(self, made: Structure | None = None) -> System | None:
         """Switch to a module that has a place for a pull, in the same state. Returns the system
@@ -60,29 +35,22 @@ class PullMixin(PlotsMixin):
         model = build_fastest(wanted.structure)
         live.allow_pulls(model)
         self.model = model
-
-        def with_pull_parameters(p: Array) -> Array:
-            return widen_parameters(p, here, wanted.structure, live.p)
-
-        self.store = self.store.widen(live.works, with_pull_parameters)
+        self.store = self.store.widen(
+            live.works, lambda p: widen_parameters(p, here, wanted.structure, live.p)
+        )
         self.store.set_parameters(live.p, live.given)
         self.whole = None
         self.catalogue = Catalogue(wanted, self.model, (PULL,))
         self.plots = {name: Plot(one.spec, self.catalogue) for name, one in self.plots.items()}
         if self.past is not None:
             self.past = self.store.nearest(float(self.past.t[-1]))
-        self._resend_all()
-        self.page.reset_texts()
-        self._notify_page()
-        return None
-
-    def _resend_all(self) -> None:
-        """Send the page the present state and all samples anew."""
-        self._sample_now()
-        self.page.reset_run(self.plots)
         for plot in self.plots.values():
             plot.beside = self.ghost
-            self.page.add_plot(plot, self.store.chunks())
+        self._sample_now()
+        self.page.reset_texts()
+        self.page.resend(self)
+        self._notify_page()
+        return None
 
     def go_back_to(self, mark: ChangeMark) -> None:
         """Go back to the last sample before a kick or a pull; what came after it is forgotten."""
@@ -90,7 +58,7 @@ class PullMixin(PlotsMixin):
         self.marks.drop_from(mark)
         self.live.go_back(Samples(sample.t, sample.y, sample.work), sample.p, sample.given)
         self._begin_chunk("")
-        self._resend_all()
+        self.page.resend(self)
         self._restart_clock()
         self._clear_stop()
 

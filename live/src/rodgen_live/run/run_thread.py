@@ -19,7 +19,8 @@ T = TypeVar("T")
 class RunThread:
     """A thread that works in frames: the work handed in by `submit`, then `do_frame` and `show`.
 
-    is_busy: whether frames follow each other; else the thread sleeps until something comes.
+    is_busy: whether frames follow each other; else the thread sleeps until something comes;
+    report_failure: told of a defect in a frame, in words.
     """
 
     def __init__(self) -> None:
@@ -32,19 +33,15 @@ class RunThread:
         """Start the thread, once the subclass is set up."""
         self._thread.start()
 
-    def do_frame(self) -> None:
-        """Do the work of one frame."""
-
-    def show(self) -> None:
-        """Show the outcome of the frame."""
-
     @property
     def is_busy(self) -> bool:
-        """Whether another frame is due."""
         return False
 
-    def report_failure(self, message: str) -> None:
-        """Report a defect in a frame, in words."""
+    def do_frame(self) -> None: ...
+
+    def show(self) -> None: ...
+
+    def report_failure(self, message: str) -> None: ...
 
     def submit(self, work: Callable[[], T]) -> Future[T]:
         """Have the thread do something between two frames."""
@@ -118,15 +115,15 @@ class Pace:
     def __init__(self, speed: float = 1.0, clock: Callable[[], float] = time.perf_counter):
         self._clock = clock
         self.speed = speed
-        self._anchor, self._since = (0.0, clock()), clock()
         self._passed: deque[tuple[float, float, float]] = deque()  # by the clock, t, spent
         self._spent = 0.0
+        self.start(0.0)
 
     def start(self, t: float) -> None:
         """Start counting now, at t [s] of the run."""
-        self._anchor = t, self._clock()
-        self._passed.clear()
         self._since = self._clock()
+        self._anchor = t, self._since
+        self._passed.clear()
 
     def target(self) -> float:
         """Time that the run should have reached by now [s]."""

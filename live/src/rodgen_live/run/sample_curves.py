@@ -238,10 +238,7 @@ class PoincareSection:
         """Number of sample i among the two to four samples around the interval after it that may be
         joined, and the rows of these."""
         rows = self._rows
-        first, last = i, i + 1
-        if rows[i, 4] == rows[i + 1, 4]:
-            if i and rows[i - 1, 4] == rows[i, 4] and rows[i - 1, 0] < rows[i, 0]:
-                first = i - 1
-            if rows[i + 2, 4] == rows[i + 1, 4] and rows[i + 2, 0] > rows[i + 1, 0]:
-                last = i + 2
+        joined = (np.diff(rows[:, 4]) == 0) & (np.diff(rows[:, 0]) > 0)  # to the next sample
+        first = i - bool(i and joined[i - 1] and joined[i])
+        last = i + 1 + bool(joined[i] and joined[i + 1])
         return i - first, rows[first : last + 1, :4]

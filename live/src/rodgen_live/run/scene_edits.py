@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from types import MappingProxyType
@@ -29,11 +30,11 @@ from rodgen.scene.literals import literals, number_parameter
 from rodgen.scene.load_tables import FinFactor
 from rodgen.scene.mesh import mesh_dependent_values, refined_tables
 from rodgen.scene.plain_tables import get_at
+from rodgen.scene.structure import check_choice, check_links
 
 LARGEST = 2**20  # bytes of a scene that comes from a browser
 MOST_LISTED = 12  # of the numbers of a list or a text that can be moved one by one
 ROUNDING = 1e-12  # of the length
-PI = 3.141592653589793
 SHAPES = ("phi", "omega")  # initial values of which each link may have its own
 
 
@@ -71,7 +72,7 @@ class SceneField:
     def slider_range(self, scale: float) -> tuple[float, float]:
         """Range of the slider, lower and upper end, for a value of this size."""
         if self.of.is_angle:
-            return -PI, PI
+            return -math.pi, math.pi
         if self.of.most is not None:
             return 0.0, self.of.most
         if self.is_logarithmic:
@@ -91,13 +92,27 @@ class FieldGroup(NamedTuple):
 
 
 def groups_of(scene: Scene) -> Iterator[FieldGroup]:
-    """Groups of all tables whose numbers a live run can change."""
+    """Groups of all tables whose numbers a live run can change, loads first."""
+    yield from _load_groups(scene)
     straight = {CLAMP_ANGLE.key: 0.0} if scene.boundary_condition.is_clamped else {}
     rod = (*ROD, MASS_PER_LENGTH, SPRING, CLAMP_ANGLE)
     yield FieldGroup("rod", scene.rod, rod, left_out=straight)
     for at, body in enumerate(scene.bodies):
         group = FieldGroup(f"bodies.{at}", body, BODY, f" of {body.name}")
         yield group._replace(rows=CHANGING_BODY) if isinstance(body.mass, str) else group
+    if scene.foundation is not None:
+        yield FieldGroup("foundation", scene.foundation, TERMS["foundation"].given)
+    for at, support in enumerate(scene.supports):
+        least = ROUNDING * scene.rod.length  # of what is no zero
+        point = [x if abs(x) >= least else 0.0 for x in scene.anchors.fixed_point(support)]
+        rows, to = TERMS["supports"].given, {"to": point}
+        yield FieldGroup(f"supports.{at}", support, rows, f" of support {at}", to)
+    for name, state in scene.states.items():
+        yield FieldGroup(f"states.{name}", state, STATE, f" of {name}")
+    yield FieldGroup("parameters", scene.numbers, map(number_parameter, scene.numbers))
+
+
+def _load_groups(scene: Scene) -> Iterator[FieldGroup]:
     for name in scene.loads.terms:
         term = TERMS[name]
         one = term.parameters[0]
@@ -106,20 +121,6 @@ def groups_of(scene: Scene) -> Iterator[FieldGroup]:
         yield FieldGroup(key, table, term.parameters)
         if term.placed:
             yield FieldGroup(key, table, (AT_IN_MODULE,), f" of the {term.label}")
-    if scene.foundation is not None:
-        yield FieldGroup("foundation", scene.foundation, TERMS["foundation"].given)
-    for at, support in enumerate(scene.supports):
-        point = [_without_rounding(x, scene) for x in scene.anchors.fixed_point(support)]
-        rows, to = TERMS["supports"].given, {"to": point}
-        yield FieldGroup(f"supports.{at}", support, rows, f" of support {at}", to)
-    for name, state in scene.states.items():
-        yield FieldGroup(f"states.{name}", state, STATE, f" of {name}")
-    yield FieldGroup("parameters", scene.numbers, map(number_parameter, scene.numbers))
-
-
-def _without_rounding(x: float, scene: Scene) -> float:
-    """A place [m] without what rounding makes of zero."""
-    return 0.0 if abs(x) < ROUNDING * scene.rod.length else x
 
 
 def fields_of(scene: Scene) -> Iterator[SceneField]:
@@ -216,28 +217,27 @@ def reshape(scene: Scene, form: StructureForm, starts: Mapping[str, Any]) -> Sce
     link are interpolated between the former ones; what else depends on the number of links is
     converted, as by `Scene.with_links` (see `conversions`).
     """
-    table = refined_tables(scene, form.links if form.links > 0 else scene.rod.links)
+    check_choice("rod.boundary", form.boundary, BOUNDARIES)
+    check_links(form.links, form.boundary, "rod.links")
+    boundary, table = BOUNDARIES[form.boundary], refined_tables(scene, form.links)
     rod = table["rod"]
     for key, count in (("bending_stiffness", form.links + 1), ("mass_per_length", form.links)):
         if isinstance(rod.get(key), list):
             rod[key] = _resample(rod[key], count)
     rod |= {"links": form.links, "boundary": form.boundary, "inertia": form.inertia}
     other = (form.links, form.boundary) != (scene.rod.links, scene.rod.boundary)
-    boundary_condition = BOUNDARIES.get(form.boundary)
-    if boundary_condition is not None and not boundary_condition.is_clamped:
+    if not boundary.is_clamped:
         rod.pop(CLAMP_ANGLE.key, None)
     for term in TERMS.values():
-        _switch_term(
-            table["loads"] if term.is_load else table, term, term.name in form.terms, other
-        )
+        tables = table["loads"] if term.is_load else table
+        _switch_term(tables, term, term.name in form.terms, other)
     set_values(table, starts, Scene)
     initial = table["initial"]
     for key in SHAPES if other else ():
         if isinstance(initial.get(key), list):
             initial.pop(key)
-    if boundary_condition is not None and not boundary_condition.translates:
-        for key in ("position", "velocity"):
-            initial.pop(key, None)
+    for key in () if boundary.translates else ("position", "velocity"):
+        initial.pop(key, None)
     table["events"] = [] if other else table.get("events", [])
     return Scene.from_dict(table)
 
@@ -256,9 +256,9 @@ def conversions(scene: Scene, links: int) -> str:
 
 
 def _resample(values: list[float], count: int) -> list[float]:
-    """Interpolate evenly spaced values linearly to another number of them."""
     wanted, known = (np.linspace(0.0, 1.0, size) for size in (count, len(values)))
-    return [float(one) for one in np.interp(wanted, known, values)]
+    found: list[float] = np.interp(wanted, known, values).tolist()
+    return found
 
 
 def _switch_term(tables: dict[str, Any], term: Term, on: bool, other: bool) -> None:

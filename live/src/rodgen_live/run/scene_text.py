@@ -19,7 +19,7 @@ from rodgen.scene.scene_files import read_table_files
 
 MOST_SCENES = 500  # of a folder
 MARK = "the line of a refusal"
-AT_LINE = re.compile(r"at line (\d+)")  # as the parser names the place of what is no TOML
+LINE = re.compile(r"\bline (\d+)")  # of what is no TOML, in its refusal
 PART = re.compile(r"[^.\[\]]+")  # of a dotted name such as bodies[1].mass
 
 
@@ -38,7 +38,6 @@ def edited_text(text: str, before: Scene, after: Scene) -> str:
 
 
 def _edit(table: MutableMapping[str, Any], before: dict[str, Any], after: dict[str, Any]) -> None:
-    """Edit a table of a text."""
     for key in before.keys() - after.keys():
         table.pop(key, None)
     for key, new in after.items():
@@ -77,7 +76,7 @@ def _made_table(before: dict[str, Any], after: dict[str, Any]) -> tomlkit.items.
 def refused_line(text: str, error: InputError) -> int | None:
     """Line of a text that an error is about, from 1 on: of its key, or of the innermost table that
     is there; None where there is none."""
-    if found := AT_LINE.search(str(error)):
+    if error.field == "scene" and (found := LINE.search(error.allowed)):
         return int(found[1])
     try:
         places: list[Any] = [document := tomlkit.parse(text)]

@@ -6,7 +6,7 @@ Computed in the process beside the server, a part at a time; a part is a diction
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from itertools import pairwise
 from typing import Any
 
@@ -29,7 +29,7 @@ MODES = 16  # that are looked at for whether one grows
 MOST_LINKS = 200  # beyond, a value takes seconds
 
 Part = dict[str, Any]
-Row = list[Any]  # value, growth [1/s], frequency [Hz], whether stable; None where it failed
+Row = list[Any]  # value, largest growth [1/s], whether stable; None where it failed
 
 
 def sweep(scene: Scene, key: str, low: float, high: float, t: float) -> Iterator[Part]:
@@ -46,28 +46,22 @@ def sweep(scene: Scene, key: str, low: float, high: float, t: float) -> Iterator
     values = np.linspace(low, high, COUNT).tolist()
     rows: list[Row] = []
     for at in range(0, COUNT, TOGETHER):
-        found = stability_rows(system, key, values[at : at + TOGETHER], t)
+        found = [stability_row(system, key, value, t) for value in values[at : at + TOGETHER]]
         rows += found
         yield {"rows": found}
     yield {"critical": _critical_value(system, key, rows, t)}
     yield _branch(scene, key, (low, high), t)
 
 
-def stability_rows(system: System, key: str, values: Sequence[float], t: float) -> list[Row]:
-    """Rows of the stability map: the value, the largest growth rate [1/s], the frequency of that
-    mode [Hz], and whether the straight rod is stable, None where that failed."""
-    return [_stability_row(system, key, value, t) for value in values]
-
-
-def _stability_row(system: System, key: str, value: float, t: float) -> Row:
+def stability_row(system: System, key: str, value: float, t: float) -> Row:
+    """Row of the stability map: the value, the largest growth [1/s], and whether the straight rod
+    is stable, None where that failed."""
     try:
         found = natural_modes(system.at({key: value}), MODES, t=t)
     except (AnalysisError, InputError):
-        return [value, None, None, None]
-    if not len(found.growth):
-        return [value, None, None, None]
-    fastest = int(np.argmax(found.growth))
-    return [value, float(found.growth[fastest]), float(found.frequencies[fastest]), found.stable]
+        return [value, None, None]
+    growth = float(found.largest_growth)
+    return [value, growth, found.stable] if math.isfinite(growth) else [value, None, None]
 
 
 def _name_number(scene: Scene, key: str) -> tuple[Scene, str]:
@@ -84,15 +78,15 @@ def _name_number(scene: Scene, key: str) -> tuple[Scene, str]:
 
 def _critical_value(system: System, key: str, rows: list[Row], t: float) -> float | None:
     """First value at which the straight rod becomes unstable, or stable; None without one."""
-    known = [(value, stable) for value, _, _, stable in rows if stable is not None]
+    known = [(value, stable) for value, _, stable in rows if stable is not None]
     for (low, before), (high, after) in pairwise(known):
         if before == after:
             continue
         for _ in range(ROUNDS):
             places = np.linspace(low, high, PARTS + 1).tolist()
-            found = stability_rows(system, key, places[1:-1], t)
-            same = [stable == before for _, _, _, stable in found] + [False]
-            low, high = places[(first := same.index(False))], places[first + 1]
+            inner = (stability_row(system, key, value, t)[-1] == before for value in places[1:-1])
+            first = [*inner, False].index(False)
+            low, high = places[first : first + 2]
         return float(f"{(low + high) / 2:.4g}")
     return None
 

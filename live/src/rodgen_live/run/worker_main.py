@@ -10,19 +10,23 @@ import threading
 import traceback
 from collections.abc import Callable, Iterator
 from contextlib import suppress
-from typing import Any, TextIO
+from types import ModuleType
+from typing import Any, NamedTuple, TextIO
 
 import numpy as np
+from numpy.typing import NDArray
 
 from rodgen.analyse.critical import critical_load
+from rodgen.arrays import Array
 from rodgen.errors import AnalysisError, InputError
 from rodgen.loading import build_fastest
 from rodgen.result import collect_doubts
 from rodgen.scene import Scene
-from rodgen_live.run.frozen_modes import frozen_modes
 from rodgen_live.run.sweep_computation import sweep
 
 MOST_MODES, MOST_LINKS = 12, 250  # shown; beyond so many links they take seconds
+STILL = 1e-7  # of the largest modulus: an imaginary part below it is rounding
+NUDGE = 1e-6  # rad, of the differences by which shapes are drawn: errors are its square
 GROWS = 1e-6  # 1/s over Hz: below, growth is rounding
 POLITE = 10  # how far it stands back behind the run and the browser
 
@@ -31,8 +35,51 @@ Requests = queue.SimpleQueue[dict[str, Any] | None]
 
 
 def critical_force(scene: Scene) -> Work:
-    """Compute the critical follower force [N] at the start."""
-    yield critical_load(scene, t=scene.integrate.span[0]).value
+    """Compute the critical follower force at the start: its value [N], the rows of the result as
+    text, by their words, and its notes."""
+    found = critical_load(scene, t=scene.integrate.span[0])
+    rows = {row[0]: row[1] for row in found.tables()[0].rows}
+    yield {"value": found.value, "rows": rows, "notes": [note.text for note in found.notes]}
+
+
+class FrozenModes(NamedTuple):
+    """Modes about a state. frequencies: (k,) [Hz], ascending; growth: (k,) [1/s]; displacements:
+    (k, n+1, 2) of the joints, complex, the largest of each 1."""
+
+    frequencies: Array
+    growth: Array
+    displacements: NDArray[np.complex128]
+
+
+def frozen_modes(model: ModuleType, t: float, y: Array, p: Array, count: int) -> FrozenModes:
+    """Compute the oscillating motions of lowest frequency, up to ``count``, by the eigenvalues of
+    the module's Jacobian J in y' = J y, at time t, the positions of y and rates of zero. Forces
+    that drive the rod away from there are left out."""
+    half = (len(y) - len(getattr(model, "STATES", ()))) // 2
+    at = y.copy()
+    at[half : 2 * half] = 0.0
+    s, vectors = np.linalg.eig(np.asarray(model.jac(t, at, p)))
+    moving = np.flatnonzero(s.imag > STILL * np.abs(s).max(initial=0.0))
+    kept = moving[np.argsort(s[moving].imag, kind="stable")][:count]
+    moved = np.array([_joint_displacements(model, at, p, vectors[:half, k]) for k in kept])
+    moved = moved.reshape(len(kept), len(model.joints(at, p)), 2)
+    return FrozenModes(s[kept].imag / (2 * np.pi), s[kept].real, moved)
+
+
+def _joint_displacements(
+    model: ModuleType, y: Array, p: Array, shape: NDArray[np.complex128]
+) -> NDArray[np.complex128]:
+    """Displacements of the joints (n+1, 2) for a change of the positions, scaled to a largest
+    component of 1."""
+    shape = shape / np.abs(shape).max()
+
+    def displacements(part: Array) -> Array:
+        change = np.concatenate((NUDGE * part, np.zeros(len(y) - len(part))))
+        found: Array = (model.joints(y + change, p) - model.joints(y - change, p)) / (2 * NUDGE)
+        return found
+
+    found = displacements(shape.real) + 1j * displacements(shape.imag)
+    return np.asarray(found / found.flat[np.abs(found).argmax()])
 
 
 def mode_shapes(scene: Scene, t: float, y: list[float], p: list[float]) -> Work:

@@ -2,8 +2,6 @@
 // of the world shows a rod well.
 
 const [LEAST, MOST] = [1e-9, 1e9]; // pixels per metre
-const ROOM = 35; // pixels left free about what is fitted
-const [ACROSS, UP] = [[0, 2], [1, 3]]; // ends of a box
 
 export class Camera {
   width = 1;
@@ -40,17 +38,6 @@ export class Camera {
       this.#turned += change - Math.PI * Math.round(change / Math.PI);
     }
     [this.#cos, this.#sin] = [Math.cos(this.angle), Math.sin(this.angle)];
-  }
-
-  // Another mode, with the same centre of gravity in the same place.
-  change(mode, origin, point) {
-    const before = point ? this.screen(point[0], point[1]) : null;
-    this.mode = mode;
-    this.#from = [...origin];
-    this.follow(origin, point);
-    if (!before) return;
-    const after = this.screen(point[0], point[1]);
-    this.pan(before[0] - after[0], before[1] - after[1]);
   }
 
   screen(x, y) {
@@ -106,7 +93,7 @@ export class Camera {
     this.scale = scale;
   }
 
-  // Shows, in metres from the anchor, `shown` at a place in the picture (`fitted`).
+  // Shows what `fitted` gives, in metres from the anchor.
   fit({ scale, at, shown }, origin, point) {
     this.#from = [...origin];
     this.follow(origin, point);
@@ -138,75 +125,40 @@ export function size(places, point) {
 
 const square = (x, y, wide, high) => [x - wide, y - high, x + wide, y + high];
 
-// What to fit, as [{box, room (pixels about it)}, ...], in metres from what the view is anchored to:
-// for a view that follows, how far the rod reaches however it turns (along the first principal axis
-// it is long and not high); for a pinned rod the circle that it can reach; else the rod with room
-// beside it; and `fixed`, the points that
-// hold it. `arrow`: pixels of the longest arrow at the tail, 0 where there is none.
-export function around(places, point, mode, support, arrow, fixed) {
+// The box to fit, in metres from what the view is anchored to: for a view that follows, how far the
+// rod reaches however it turns (along the first principal axis it is long and not high); for a
+// pinned rod the circle that it can reach; else the rod with room beside it; and `fixed`, the points
+// that hold it.
+export function around(places, point, mode, support, fixed) {
   const { box, length, reach } = size(places, point);
-  const whole = Math.max(ROOM, arrow);
-  if (!(length > 0)) return [{ box: [-1, -1, 1, 1], room: ROOM }];
-  const [x, y] = [(box[0] + box[2]) / 2, (box[1] + box[3]) / 2];
+  if (!(length > 0)) return [-1, -1, 1, 1];
   if (mode !== "fixed") {
     const far = Math.max(reach, length / 2);
-    return [{ box: square(0, 0, far, mode === "axes" ? 0.6 * far : far), room: whole }];
+    return square(0, 0, far, mode === "axes" ? 0.6 * far : far);
   }
-  const holding = fixed.map((place) => ({ box: [...place, ...place], room: ROOM }));
-  if (support === "pin") {
-    return [{ box: square(places[0], places[1], length, length), room: whole }, ...holding];
-  }
-  const roomy = about(box, square(x, y, length / 2, length / 2));
-  const tail = places.slice(-2);
-  const parts = [{ box: roomy, room: ROOM }, ...holding];
-  if (Number.isFinite(tail[0] + tail[1])) parts.push({ box: [...tail, ...tail], room: whole });
-  return parts;
+  const middle = [(box[0] + box[2]) / 2, (box[1] + box[3]) / 2];
+  const roomy =
+    support === "pin"
+      ? square(places[0], places[1], length, length)
+      : square(...middle, length / 2, length / 2);
+  return fixed.reduce((found, place) => about(found, [...place, ...place]), about(box, roomy));
 }
 
-// The largest scale at which all parts, from box[low] to box[high], fit into so many pixels.
-function largest(parts, [low, high], pixels) {
-  let scale = Infinity;
-  for (const first of parts) {
-    for (const last of parts) {
-      const length = last.box[high] - first.box[low];
-      const free = Math.max(pixels - first.room - last.room, pixels / 3);
-      if (length > 0) scale = Math.min(scale, free / length);
-    }
-  }
-  return scale;
-}
-
-// The ends of all parts with the room about them [m].
-function ends(parts, [low, high], scale) {
-  return [
-    Math.min(...parts.map(({ box, room }) => box[low] - room / scale)),
-    Math.max(...parts.map(({ box, room }) => box[high] + room / scale)),
+// {scale, at: a place in the picture [pixels], shown: what is to be seen there [m]}, so that a box
+// with so many pixels of room about it fits into the piece [x, y, width, height] of the picture.
+function into([left, bottom, right, top], room, [x, y, width, height]) {
+  const free = (pixels) => Math.max(pixels - 2 * room, pixels / 3);
+  const scale = Math.min(free(width) / (right - left), free(height) / (top - bottom));
+  const [at, shown] = [
+    [x + width / 2, y + height / 2],
+    [(left + right) / 2, (bottom + top) / 2],
   ];
+  return { scale, at, shown };
 }
 
-// Fits the parts into the piece [x, y, width, height] of a picture; half: pixels from its middle to
-// the ends of what is fitted.
-function into(parts, [x, y, width, height]) {
-  const scale = Math.min(largest(parts, ACROSS, width), largest(parts, UP, height));
-  const [[left, right], [bottom, top]] = [ACROSS, UP].map((along) => ends(parts, along, scale));
-  return {
-    scale,
-    at: [x + width / 2, y + height / 2],
-    shown: [(left + right) / 2, (bottom + top) / 2],
-    half: [((right - left) / 2) * scale, ((top - bottom) / 2) * scale],
-  };
-}
-
-// {scale, at: a place in the picture [pixels], shown: what is to be seen there [m]}, so that the
-// parts are as large as a picture of this size allows; beside or below the legend, whose left and
-// lower edge are given, where they would be behind it.
-export function fitted(parts, [width, height], [left, low]) {
-  const whole = into(parts, [0, 0, width, height]);
-  const hidden = whole.at[0] + whole.half[0] > left && whole.at[1] - whole.half[1] < low;
-  if (!hidden) return whole;
-  const [beside, below] = [
-    [0, 0, left, height],
-    [0, low, width, height - low],
-  ].map((piece) => into(parts, piece));
+// The larger view of a box beside or below the legend, whose left and lower edge are given.
+export function fitted(box, room, [width, height], [left, low]) {
+  const beside = into(box, room, [0, 0, left, height]);
+  const below = into(box, room, [0, low, width, height - low]);
   return beside.scale > below.scale ? beside : below;
 }

@@ -1,9 +1,9 @@
 // One picture by uPlot: curves between given ends, and the place that is looked at.
 
-import { PLANE, SEVERAL } from "./curves.js";
+import { PLANE } from "./curves.js";
 import { make } from "./dom.js";
 import { dots, straight, trace } from "./paths.js";
-import { lowest } from "./rows.js";
+import { nearest } from "./rows.js";
 import { alike, base, decades, short, written } from "./scales.js";
 import { classes, theme } from "./theme.js";
 import { uPlot } from "./uplot.js";
@@ -18,23 +18,23 @@ const [DASH, PALE] = [[5, 4], 0.75]; // of the run that is kept
 
 export function colours(spec) {
   const { series, along } = theme();
-  const count = SEVERAL.includes(spec.kind) ? spec.series.length : 1;
-  return count > MANY ? classes(along, count) : series.slice(0, Math.max(count, 1));
+  const count = spec.series.length;
+  return count > MANY ? classes(along, count) : series.slice(0, count);
 }
 
-const named = ({ label, unit }) => (unit ? `${label} [${unit}]` : label);
+export const axisName = ({ label, unit }) => (unit ? `${label} [${unit}]` : label);
 
 // What the key says of a curve; its unit where the curves do not share that of the axis.
 export const entry = ({ y }, { name, label, unit }) =>
-  named({ label: label ?? name, unit: y.unit ? "" : unit });
+  axisName({ label: label ?? name, unit: y.unit ? "" : unit });
 
 export class Chart {
-  // What Curves.now gives.
-  shown = { x: [0, 1], y: [0, 1], times: null, across: [], up: [], turned: false, ghost: { across: [], up: [] } };
+  // What Curves.now gives, and `marks`, values of x.
+  shown = { x: [0, 1], y: [0, 1], times: null, across: [], up: [], marks: [] };
   found = null; // the row that is looked at, counted among those shown
+  led = false; // whether the pointer is over the picture: then no other place is looked at in it
   #from = [0, 0]; // what the numbers at the axes are counted from
-  #time = null; // that is looked at elsewhere
-  #led = false; // whether the pointer is over the picture
+  time = null; // that is looked at elsewhere
   #dense; // pixels of the picture for one of the page
 
   // `on`: zoom(view) when a part was chosen, looked(time or null) when the pointer is at another.
@@ -65,11 +65,22 @@ export class Chart {
         points: { size: 8, width: 2, fill: "transparent", stroke: (_, k) => colours(this.spec)[k - 1] },
         bind: {
           dblclick: () => () => this.on.zoom(null),
-          mousemove: (_, on, move) => (event) => event.target === on && this.#over(move, event),
-          mouseleave: (_, on, leave) => (event) => this.#gone(leave, event),
+          mousemove: (_, on, move) => (event) => {
+            if (event.target !== on) return;
+            Object.assign(this, { led: true, time: null });
+            move(event);
+          },
+          mouseleave: (_, on, leave) => (event) => {
+            this.led = false;
+            leave(event);
+          },
         },
       },
-      hooks: { setCursor: [() => this.#pointed()], setSelect: [() => this.#selected()] },
+      hooks: {
+        setCursor: [() => this.#pointed()],
+        setSelect: [() => this.#selected()],
+        draw: [() => this.#mark()],
+      },
     };
   }
 
@@ -92,7 +103,7 @@ export class Chart {
       ticks: { show: false },
       grid: line("grid"),
       border: { ...line("axis"), show: true },
-      label: named(quantity),
+      label: axisName(quantity),
       ...(quantity.log ? this.#powers(space) : this.#numbers(k, quantity)),
     };
   }
@@ -100,22 +111,17 @@ export class Chart {
   // Numbers at an axis, counted from what they all begin with, which its name says.
   #numbers(k, quantity) {
     const label = () => {
+      const { series, x } = this.spec;
       const from = this.#from[k] ? ` from ${short(this.#from[k], 15)}` : "";
-      const label = quantity.label + from + this.#less(k);
-      return named({ ...quantity, label }) + (k ? "" : this.#enlarged());
+      const less = this.shown.turned && (k ? series : [x]).some(({ turn }) => turn);
+      const label = quantity.label + from + (less ? " less whole turns" : "");
+      return axisName({ ...quantity, label });
     };
     const values = (_, splits, axis, found, step) => {
       this.#from[k] = base(...this.shown[k ? "y" : "x"], step);
       return splits.map((value) => written(value - this.#from[k], step));
     };
     return { label, values };
-  }
-
-  // Says that whole turns are not shown.
-  #less(k) {
-    const { spec, shown } = this;
-    const turns = k ? spec.series.some(({ turn }) => turn) : spec.x.turn;
-    return shown.turned && turns ? " less whole turns" : "";
   }
 
   #powers(space) {
@@ -127,17 +133,6 @@ export class Chart {
       filter: (_, splits) => splits,
       values: (_, splits) => splits.map((value) => short(value, 6)),
     };
-  }
-
-  // Says by how much x is drawn larger than y where both have one unit, and so one scale by right.
-  #enlarged() {
-    const { spec, plot } = this;
-    const none = !this.shown.across.length;
-    if (none || !this.plane || !spec.x.unit || spec.x.unit !== spec.y.unit) return "";
-    const size = ([low, high], pixels) => (high - low) / pixels;
-    const { width, height } = plot.bbox;
-    const times = size(this.shown.y, height) / size(this.shown.x, width);
-    return Math.abs(times - 1) < 0.02 ? "" : `, ${short(times, 2)} \u00d7 as large as upward`;
   }
 
   // The curves, those of the run that is kept, and where the curve of a phase plot is now.
@@ -163,48 +158,45 @@ export class Chart {
       const look = kind === "poincare" ? { ...ring, stroke: shade(k) } : { dash };
       return { ...curve(of, k), ...look, alpha: PALE };
     };
-    const some = SEVERAL.includes(kind) ? series : series.slice(0, 1);
     const present = kind === "phase" ? [dot(PRESENT, () => theme().present)] : [];
-    return [...some.map(curve), ...some.map(pale), ...present];
+    return [...series.map(curve), ...series.map(pale), ...present];
   }
 
   draw(shown) {
-    this.shown = this.#alike(shown);
+    const { spec, plot } = this;
+    // Quantities of one unit, one over the other, have one scale.
+    const one = this.plane && spec.x.unit === spec.y.unit;
+    this.shown = one ? { ...shown, ...alike(shown, plot.bbox) } : shown;
     const { across, up, ghost } = shown;
     const data = [null, ...up.map((values) => [across, values])];
     data.push(...ghost.up.map((values) => [ghost.across, values]));
-    if (this.spec.kind === "phase") data.push([across.slice(-1), up[0].slice(-1)]);
-    this.plot.batch(() => this.plot.setData(data));
-    if (this.#time !== null) this.look(this.#time);
+    if (spec.kind === "phase") data.push([across.slice(-1), up[0].slice(-1)]);
+    plot.batch(() => plot.setData(data));
+    if (this.time !== null) this.look(this.time);
   }
 
-  #alike(shown) {
-    const { spec, plot } = this;
-    if (!this.plane || spec.x.unit !== spec.y.unit) return shown;
-    return { ...shown, ...alike(shown, plot.bbox) };
-  }
-
-  // While the pointer is over this picture, no other place is looked at in it.
-  #over(move, event) {
-    this.#led = true;
-    this.#time = null;
-    return move(event);
-  }
-
-  #gone(leave, event) {
-    this.#led = false;
-    return leave(event);
-  }
-
-  // Whether the pointer is over it.
-  get led() {
-    return this.#led;
+  // Lines at values of x.
+  #mark() {
+    const { ctx, bbox } = this.plot;
+    const [low, high] = this.shown.x;
+    ctx.save();
+    ctx.strokeStyle = theme().kick;
+    ctx.globalAlpha = 0.6;
+    ctx.setLineDash([4, 4].map((pixels) => pixels * this.#dense));
+    ctx.beginPath();
+    for (const value of this.shown.marks.filter((one) => one >= low && one <= high)) {
+      const x = Math.round(this.plot.valToPos(value, "x", true)) + 0.5;
+      ctx.moveTo(x, bbox.top);
+      ctx.lineTo(x, bbox.top + bbox.height);
+    }
+    ctx.stroke();
+    ctx.restore();
   }
 
   // The time `t` is looked at elsewhere; null: nowhere.
   look(t) {
-    if (this.#led) return;
-    this.#time = t;
+    if (this.led) return;
+    this.time = t;
     const { times, across, up, x } = this.shown;
     if (!times) return;
     this.found = t === null || !times.length ? null : nearest(times, t);
@@ -217,7 +209,7 @@ export class Chart {
 
   // uPlot asks for the row under the cursor, curve by curve.
   #index(k) {
-    if (k === 1 && this.#time === null) this.found = this.#under(this.plot.cursor);
+    if (k === 1 && this.time === null) this.found = this.#under(this.plot.cursor);
     const { up } = this.shown;
     return Number.isFinite(up[k - 1]?.[this.found]) ? this.found : null;
   }
@@ -239,7 +231,7 @@ export class Chart {
   }
 
   #pointed() {
-    if (this.#time !== null) return;
+    if (this.time !== null) return;
     if (this.plot.cursor.left < 0) this.found = null;
     this.on.looked?.(this.found === null ? null : (this.shown.times?.[this.found] ?? null));
   }
@@ -278,10 +270,4 @@ export class Chart {
   dispose() {
     this.plot.destroy();
   }
-}
-
-// The place of the value in ascending ones that is nearest to one.
-export function nearest(values, value) {
-  const at = Math.min(lowest(values, value), values.length - 1);
-  return at && value - values[at - 1] < values[at] - value ? at - 1 : at;
 }

@@ -1,8 +1,8 @@
 // Zoom by wheel, keys and touch; the values that are looked at, in words.
 
-import { act, listen, make, placeOf, turned } from "./dom.js";
-import { MANY, nearest } from "./chart.js";
-import { SEVERAL } from "./curves.js";
+import { act, listen, make, placeOf, tell, turned } from "./dom.js";
+import { MANY } from "./chart.js";
+import { nearest } from "./rows.js";
 import { short } from "./scales.js";
 
 const MOUSE = { pointerdown: "mousedown", pointermove: "mousemove", pointerup: "mouseup" };
@@ -46,7 +46,7 @@ export class Gestures {
   #show([left, right], [top, bottom]) {
     const [x0, y1] = this.chart.value(left, top);
     const [x1, y0] = this.chart.value(right, bottom);
-    this.card.zoom({ x: [x0, x1], y: this.chart.plane ? [y0, y1] : null });
+    this.card.plots.zoom(this.card, { x: [x0, x1], y: this.chart.plane ? [y0, y1] : null });
   }
 
   // Spans times `factor` about a place in pixels.
@@ -65,7 +65,7 @@ export class Gestures {
       "+": () => this.#scale(0.8),
       "=": () => this.#scale(0.8),
       "-": () => this.#scale(1.25),
-      0: () => this.card.zoom(null),
+      0: () => this.card.plots.zoom(this.card, null),
       ArrowLeft: () => this.#shift(-0.2),
       ArrowRight: () => this.#shift(0.2),
     });
@@ -75,24 +75,19 @@ export class Gestures {
   // alone, lest words lie over the curves all the time.
   tell() {
     const { found, shown, led } = this.chart;
-    this.hint.hidden = found === null || !(led || this.card.pointed);
-    if (this.hint.hidden) return;
-    this.hint.textContent = this.#lines(found, shown).join("\n");
-    const left = this.chart.place(shown.across[found], 0)[0];
-    const [size, room] = [this.hint.offsetWidth, this.over.clientWidth];
-    const beside = left > room / 2 ? left - 10 - size : left + 10;
-    this.hint.style.transform = `translate(${Math.max(Math.min(beside, room - size), 0)}px, 2px)`;
+    const seen = found !== null && (led || this.card.plots.pointed !== null);
+    const lines = seen ? this.#lines(found, shown) : [];
+    tell(this.hint, lines, [seen ? this.chart.place(shown.across[found], 0)[0] : 0, 0]);
   }
 
   #lines(row, { times, across, up, ghost }) {
     const { spec } = this.card;
     const said = ({ label, unit }, value) => `${label} = ${short(value, 5)} ${unit ?? ""}`.trim();
-    const curves = SEVERAL.includes(spec.kind) ? spec.series : [spec.y];
-    const some = curves.length > MANY ? [this.#nearest(row, up)] : [...curves.keys()];
+    const some = up.length > MANY ? [this.#nearest(row, up)] : [...up.keys()];
     const seen = some.filter((k) => spec.kind !== "sweep" || Number.isFinite(up[k][row]));
     const kept = spec.kind === "time" ? beside(ghost, across[row]) : null;
     const values = seen.map((k) => {
-      const { name, label = name, unit } = curves[k];
+      const { name, label = name, unit } = spec.series[k];
       const other = kept === null ? "" : ` (kept: ${short(ghost.up[k][kept], 5)})`;
       return said({ label, unit: unit ?? spec.y.unit }, up[k][row]) + other;
     });

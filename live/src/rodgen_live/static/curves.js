@@ -8,13 +8,12 @@ const ORBIT = 5000; // rows of a phase plot
 const AWAY = 0.75; // turns that the mean of a curve may be away from those taken off, before others are
 const DEEPEST = 1e-9; // of the largest amplitude, below which a logarithmic axis shows none
 const REPLACED = ["profile", "spectrum", "sweep"];
-export const SEVERAL = ["time", "sweep"]; // plots of more than one curve
 export const PLANE = ["phase", "poincare"];
 
 export class Curves {
   view = null; // {x: [low, high], y: [low, high] or null} while zoomed
   paused = false;
-  former = false; // whether it stands, as the run that it shows has been followed by another
+  former = false; // whether the run that it shows, paused, has been followed by another
   #x;
   #y;
   #until = null; // the end of what is seen where a time of the past is looked at
@@ -24,22 +23,13 @@ export class Curves {
   constructor(spec) {
     this.spec = spec;
     this.wrapped = spec.wrapped;
-    [this.#x, this.#y] = [spec.x, spec.y].map(({ least }) => new Range(least));
+    this.#refit();
     this.plane = PLANE.includes(spec.kind);
     this.replaced = REPLACED.includes(spec.kind);
     this.x = this.plane ? 1 : 0; // the column of x; in the plane, time stands before it
-    this.columns = this.x + 1 + (SEVERAL.includes(spec.kind) ? spec.series.length : 1);
+    this.columns = this.x + 1 + spec.series.length;
     this.rows = this.shown = new Rows(this.columns); // not the same while the picture stands
     this.ghost = new Rows(this.columns);
-  }
-
-  get still() {
-    return this.paused || this.former;
-  }
-
-  // Whether somebody has chosen what it shows.
-  get #holds() {
-    return this.paused || (this.view !== null && !this.replaced);
   }
 
   // The number of the first row that is not shown any more.
@@ -50,53 +40,43 @@ export class Curves {
   take(values, replace) {
     if (replace) this.rows = new Rows(this.columns);
     this.rows.append(values);
-    if (!this.still) this.shown = this.rows;
+    if (!this.paused) this.shown = this.rows;
   }
 
-  // The run has begun anew, and is shown so; a picture that is paused or zoomed keeps the run before.
+  // The run has begun anew, and is shown so; one that is paused keeps the run before.
   restart() {
     if (this.spec.kind === "sweep") return; // it is of no run
     this.rows = new Rows(this.columns);
-    this.former ||= this.#holds && this.shown.length > 0;
-    if (!this.still) this.#follow();
+    if (this.paused) this.former = this.shown.length > 0;
+    else this.#follow();
   }
 
   pause(paused) {
     this.paused = paused;
-    this.former &&= this.#holds;
-    this.#settle();
+    if (paused) this.#end = this.shown.total;
+    else this.#follow();
   }
 
   wrap(wrapped) {
     this.wrapped = wrapped;
     this.#turns = { x: null, y: null };
-    this.#x.reset();
-    this.#y.reset();
+    this.#refit();
   }
 
-  zoom(view) {
-    this.view = view;
-    this.former &&= this.#holds;
-    this.#settle();
-  }
-
-  // Stands still from here on, or shows again what has come.
-  #settle() {
-    if (this.paused) this.#end ??= this.shown.total;
-    else if (!this.still) this.#follow();
+  #refit() {
+    [this.#x, this.#y] = [this.spec.x, this.spec.y].map(({ least }) => new Range(least));
   }
 
   #follow() {
     this.#end = null;
-    if (this.shown === this.rows) return;
+    this.former = false;
+    if (this.shown !== this.rows) this.#refit();
     this.shown = this.rows;
-    this.#x.reset();
-    this.#y.reset();
   }
 
   // Rows of the run that is kept, as those of the plot; none: no such run.
   compare(values) {
-    if (this.replaced && this.still && values.length) return; // they are of the present
+    if (this.replaced && this.paused && values.length) return; // they are of the present
     this.ghost = new Rows(this.columns);
     this.ghost.append(values);
   }

@@ -4,23 +4,38 @@ export function make(tag, attributes = {}, ...children) {
   const element = document.createElement(tag);
   for (const [name, value] of Object.entries(attributes)) {
     if (name.startsWith("on")) element.addEventListener(name.slice(2), value);
-    else if (value !== false && value !== null)
-      element.setAttribute(name, value === true ? "" : value);
+    else element.setAttribute(name, value);
   }
   element.append(...children);
   return element;
 }
 
-// A button with an icon of Material Icons and a label for those who do not see it.
-export function button(icon, label, onclick) {
-  const sign = make("i", { class: "material-icons", "aria-hidden": "true" }, icon);
-  return make("button", { type: "button", "aria-label": label, title: label, onclick }, sign);
+// A button with an icon of Material Icons, or with letters, and a label for who does not see it.
+export function button(sign, label, onclick) {
+  const icon = () => make("i", { class: "material-icons", "aria-hidden": "true" }, sign);
+  const shown = /^[a-z_]{3,}$/.test(sign) ? icon() : sign;
+  return make("button", { type: "button", "aria-label": label, title: label, onclick }, shown);
 }
 
 export function relabel(element, icon, label) {
   element.firstChild.textContent = icon;
   element.setAttribute("aria-label", label);
   element.title = label;
+}
+
+const APART = 10; // pixels from a place to what is said of it
+
+// Says lines of text in a box, beside a place in pixels of what it lies in; hides it without any.
+export function tell(box, lines, place) {
+  box.hidden = !lines.length;
+  if (box.hidden) return;
+  box.textContent = lines.join("\n");
+  const [[x, y], { offsetWidth, offsetHeight, parentElement: around }] = [place, box];
+  const left = x > around.clientWidth / 2 ? x - APART - offsetWidth : x + APART;
+  const within = (from, room) => Math.max(Math.min(from, room), 0);
+  const right = within(left, around.clientWidth - offsetWidth);
+  const down = within(y - offsetHeight / 2, around.clientHeight - offsetHeight);
+  box.style.transform = `translate(${right}px, ${down}px)`;
 }
 
 // Listens to several events of an element, which handlers may prevent.

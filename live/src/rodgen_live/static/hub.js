@@ -1,6 +1,5 @@
 // What the channel brings, and when it is drawn: a page has one of it, shared by all components.
 
-import { Past } from "./past.js";
 import { length, Trail } from "./rod_links.js";
 import { Written } from "./scales.js";
 
@@ -23,31 +22,60 @@ function decode(buffer) {
   return { header, arrays };
 }
 
-// Texts by key, written into every element that has data-text="key".
-class Texts {
-  #texts = new Map();
-  changed = false;
+// What can be looked back at: from when to when, what was done to the run meanwhile, and where the
+// page looks. Places are asked for by `send`, the next one when the last has been answered.
+class Past {
+  from = 0; // of the first and the last sample that is kept [s]
+  to = 0;
+  at = null; // where the page looks, or will as soon as it can [s]; null: the present
+  marks = []; // [[t, what was done], ...]
+  keeps = false; // whether a run is kept, to compare with, when another begins
+  #wanted = false; // whether `at` is still to be asked for
+  #asked = false;
 
-  set(texts) {
-    this.changed = true;
-    for (const [key, text] of Object.entries(texts)) this.#texts.set(key, String(text));
+  constructor(send) {
+    this.send = send;
   }
 
-  // Only what differs is written: elements may come later than their text, or be rendered anew.
-  write() {
-    this.changed = false;
-    for (const element of document.querySelectorAll("[data-text]")) {
-      const text = this.#texts.get(element.dataset.text);
-      if (text !== undefined && element.textContent !== text) put(element, text);
-    }
+  get place() {
+    return this.at ?? this.to;
   }
-}
 
-function put(element, text) {
-  const only = element.childNodes.length === 1 ? element.firstChild : null;
-  // The node is kept where it can be: Vue, which may have made it, goes on with it.
-  if (only?.nodeType === Node.TEXT_NODE) only.nodeValue = text;
-  else element.textContent = text;
+  get back() {
+    return this.at !== null;
+  }
+
+  take({ from, to, past, keeps, marks }) {
+    Object.assign(this, { from, to, keeps, marks: marks ?? this.marks });
+    if (!this.#wanted) this.at = past;
+    this.ready();
+  }
+
+  // Shows the sample nearest to t [s]; null: the present.
+  look(t) {
+    this.at = t;
+    this.#wanted = true;
+    this.#ask();
+  }
+
+  // Has something else done, from the sample that is shown by then.
+  tell(what) {
+    this.#wanted = false;
+    this.send(what);
+  }
+
+  // The last place has been answered; a new connection has not been asked for any.
+  ready() {
+    this.#asked = false;
+    this.#ask();
+  }
+
+  #ask() {
+    if (this.#asked || !this.#wanted) return;
+    this.#wanted = false;
+    this.#asked = true;
+    this.send({ look: this.at }); // which may be answered at once
+  }
 }
 
 // What a state may have beside its joints; ghost: joints of the run that is kept.
@@ -65,21 +93,14 @@ class Hub {
     ...NOTHING,
     forces: {},
     trail: new Trail(),
-    frame: 0,
   };
-  texts = new Texts();
-  past = new Past((what) => this.send(JSON.stringify(what)));
+  past = new Past((what) => this.send(what));
   // Objects with paint(now, fresh, fully): fresh with a new state, fully where anything else may
   // have changed. They say by true that they want another frame.
   painters = new Set();
-  // Called with (id, rows, replace, t) for rows of plots.
-  rows = () => {};
-  // Called with (id, rows) for rows of the run that is kept.
-  ghosts = () => {};
-  // Called when the run has begun anew, before what comes of it.
-  restarts = new Set();
-  // Called with (t, by) for the time that is looked at, null for none, and who has told of it.
-  cursors = new Set();
+  // The plots of the page: take(id, rows, replace); compare(id, rows) of the run that is kept;
+  // restart() before what comes of another run; look(t): the time that is looked at, null for none.
+  plots = null;
   send = () => {};
   // What the page tells of itself as window.rodgenLive, for tests and benchmarks to wait for:
   //   connected, state: whether there is a connection, and the state of the run;
@@ -97,6 +118,8 @@ class Hub {
     ...{ t: null, past: null, span: null, joints: [], scale: null, pull: [], mode: null },
     ...{ texts: {}, plots: {} },
   };
+  #texts = new Map(); // by key, of every element that has data-text="key"
+  #written = true; // whether they stand in the page
   #clock = new Written();
   #unanswered = [];
   #drawn = [];
@@ -114,34 +137,20 @@ class Hub {
 
   receive(buffer) {
     const { header, arrays } = decode(buffer);
-    if (header.begun !== this.rod.begun) for (const restart of this.restarts) restart();
-    Object.assign(this.rod, { begun: header.begun, repeats: header.repeats, kept: header.kept ?? null });
-    if (header.t !== undefined) this.#tell(header.t);
-    if (header.line) this.#look(header.line);
-    if (header.state !== undefined) this.shown.state = header.state;
-    if (header.origin !== undefined) this.rod.origin = header.origin;
+    const { rod, shown } = this;
+    if (header.begun !== rod.begun) this.plots?.restart();
+    const { begun, repeats, kept = null, state, t = rod.t, origin = rod.origin, line } = header;
+    Object.assign(rod, { begun, repeats, kept, origin });
+    if (t !== rod.t) Object.assign(rod, { t, clock: this.#clock.of(t) });
     this.#keep(arrays);
-    if (header.texts) {
-      this.texts.set(header.texts);
-      Object.assign(this.shown.texts, header.texts);
-    }
+    const moved = line.past !== shown.past;
+    Object.assign(shown, { t, state, past: line.past, span: [line.from, line.to] });
+    if (moved) this.plots?.look(line.past);
+    Object.assign(shown.texts, header.texts);
+    this.#write({ t: rod.clock, ...header.texts });
     if (header.frame !== undefined) this.#unanswered.push(header.frame);
-    this.#wake();
-  }
-
-  // The time of the state that is shown, in all places alike.
-  #tell(t) {
-    this.rod.t = this.shown.t = t;
-    this.rod.clock = this.#clock.of(t);
-    this.texts.set({ t: this.rod.clock });
-  }
-
-  #look(line) {
-    const moved = line.past !== this.shown.past;
     this.past.take(line);
-    this.shown.past = line.past;
-    this.shown.span = [line.from, line.to];
-    if (moved) this.cursor(null);
+    this.#wake();
   }
 
   #keep(arrays) {
@@ -149,28 +158,31 @@ class Hub {
     // A state is whole: a load that it does not have, the rod has no longer.
     if (joints) Object.assign(this.rod, { ...NOTHING, forces: {} });
     for (const [name, array] of arrays) {
-      if (name.startsWith("ghost:")) {
-        this.ghosts(name.slice(6), array);
-      } else if (name.startsWith("plot:") || name.startsWith("plot!")) {
-        this.rows(name.slice(5), array, name[4] === "!", this.rod.t);
-      } else if (name.startsWith("forces:")) {
-        this.rod.forces[name.slice(7)] = array;
-      } else if (name === "trail" || name === "trail!") {
-        this.rod.trail.add(array, name === "trail!", length(joints));
-      } else {
-        this.rod[name] = array;
-      }
+      const [kind, id] = name.split(/[:!](.*)/);
+      const anew = name[kind.length] === "!";
+      if (kind === "ghost" && id) this.plots?.compare(id, array);
+      else if (kind === "plot") this.plots?.take(id, array, anew);
+      else if (kind === "forces") this.rod.forces[id] = array;
+      else if (kind === "trail") this.rod.trail.add(array, anew, length(joints));
+      else this.rod[name] = array;
     }
-    if (joints) {
-      this.rod.frame += 1;
-      this.#fresh = true;
-      this.shown.pull = [...(this.rod.pull ?? [])];
-    }
+    if (!joints) return;
+    this.#fresh = true;
+    this.shown.pull = [...(this.rod.pull ?? [])];
   }
 
-  // The time `t` is looked at, by one who shows it already; null: none any more, but that of the past.
-  cursor(t, by = null) {
-    for (const look of this.cursors) look(t ?? this.shown.past, t === null ? null : by);
+  #write(texts) {
+    for (const [key, text] of Object.entries(texts)) this.#texts.set(key, String(text));
+    this.#written = false;
+  }
+
+  // Only what differs is written: elements may come later than their text, or be rendered anew.
+  #show() {
+    this.#written = true;
+    for (const element of document.querySelectorAll("[data-text]")) {
+      const text = this.#texts.get(element.dataset.text);
+      if (text !== undefined && element.textContent !== text) element.textContent = text;
+    }
   }
 
   // Colours, sizes or options have changed.
@@ -179,13 +191,8 @@ class Hub {
     this.#wake();
   }
 
-  // Another frame is wanted by a painter, which knows itself what has changed.
-  stir() {
-    this.#wake();
-  }
-
-  // One drawing per animation frame, however often it is asked for. A hidden tab draws nothing
-  // and so answers nothing: the server then sends nothing.
+  // Another frame is wanted: one drawing per animation frame, however often it is asked for. A
+  // hidden tab draws nothing and so answers nothing: the server then sends nothing.
   #wake() {
     if (this.#waiting) return;
     this.#waiting = true;
@@ -197,10 +204,11 @@ class Hub {
     const begin = performance.now();
     const [fresh, fully] = [this.#fresh, this.#fully];
     this.#fresh = this.#fully = false;
-    if (this.texts.changed) this.texts.write();
     let more = false;
     for (const painter of this.painters) more = painter.paint(now, fresh, fully) || more;
-    for (const frame of this.#unanswered.splice(0)) this.send(JSON.stringify({ ack: frame }));
+    // Last: painters ask for sizes, which the browser would compute anew after each change.
+    if (!this.#written) this.#show();
+    for (const frame of this.#unanswered.splice(0)) this.send({ ack: frame });
     if (fresh) {
       this.shown.frames += 1;
       this.#drawn.push(now);
@@ -214,16 +222,16 @@ class Hub {
   #count(now) {
     while (this.#drawn.length && this.#drawn[0] < now - SECOND) this.#drawn.shift();
     this.shown.fps = this.#drawn.length;
-    this.texts.write();
+    this.#show();
   }
 
   // A new connection begins with a whole state; answers to the old one are of no use to it.
   connected(send) {
     this.send = send ?? (() => {});
     this.#unanswered = [];
-    this.past.reconnected();
+    this.past.ready();
     this.shown.connected = Boolean(send);
-    this.texts.set({ connection: send ? "" : "connection lost: trying again" });
+    this.#write({ connection: send ? "" : "connection lost: trying again" });
     this.repaint();
   }
 }

@@ -1,26 +1,17 @@
 // The rod as it is now, drawn on a canvas.
 
-import { around, Camera, fitted } from "./camera.js";
-import { anchors, support } from "./rod_anchors.js";
+import { about, around, Camera, fitted, size } from "./camera.js";
+import { tell } from "./dom.js";
+import { along, anchors, support } from "./rod_anchors.js";
 import { enlarged } from "./rod_enlarged.js";
+import { ASIDE, ghost, over } from "./rod_ghost.js";
 import { grid } from "./rod_grid.js";
-import { hint, met, said } from "./rod_hint.js";
-import { ghost, over, twice } from "./rod_ghost.js";
-import { joints, length, Links } from "./rod_links.js";
+import { met, said } from "./rod_hint.js";
+import { joints, length, line, links } from "./rod_links.js";
 import { Loads, most } from "./rod_loads.js";
-import {
-  arrows,
-  axes,
-  bodies,
-  centre,
-  ends,
-  frame,
-  legend,
-  outlined,
-} from "./rod_marks.js";
+import { arrows, axes, bodies, centre, ends, frame, legend, outlined } from "./rod_marks.js";
 import { swing } from "./rod_modes.js";
 import { pull } from "./rod_pull.js";
-import { Reach } from "./rod_reach.js";
 import { Scale, short } from "./scales.js";
 import { theme } from "./theme.js";
 
@@ -33,66 +24,48 @@ class Layer {
   // (0, 0); `key` is a text of all that it depends on.
   put(context, dense, [x, y, width, height], key, paint) {
     const full = `${key}/${width}/${height}/${dense}`;
+    const [wide, high] = [Math.ceil(width * dense), Math.ceil(height * dense)];
     if (this.#key !== full) {
       this.#key = full;
-      Object.assign(this.#canvas, {
-        width: Math.ceil(width * dense),
-        height: Math.ceil(height * dense),
-      });
+      Object.assign(this.#canvas, { width: wide, height: high });
       const own = this.#canvas.getContext("2d");
       own.scale(dense, dense);
       own.font = context.font;
       paint(own);
     }
-    context.drawImage(this.#canvas, x, y, this.#canvas.width / dense, this.#canvas.height / dense);
+    context.drawImage(this.#canvas, x, y, wide / dense, high / dense);
   }
 }
 
 const FONT = "12px Roboto, system-ui, sans-serif";
 const DENSEST = 2; // device pixels per pixel that are drawn at most
 const SAME = 1e-3; // of its length, by which a rod may differ that is fitted
+const ROOM = 35; // pixels left free about what is fitted, at least
+const NOWHERE = [Infinity, Infinity, -Infinity, -Infinity]; // an empty box
 
 export class Picture {
   camera = new Camera();
   points = new Float64Array(0); // joints in pixels
   kick = null; // {link, share, dx, dy}, in pixels, while it is drawn
   hand = null; // {link, share, x, y}, in pixels, while the pointer pulls
-  options = {
-    show: {},
-    loads: [],
-    bodies: [],
-    ties: [],
-    bed: [],
-    view: "fixed",
-    support: "none",
-    clampAngle: 0,
-    perMetre: 0,
-    times: 1,
-    mode: null,
-  };
-  #pointed = null; // [x, y] of a pointer that rests, in pixels
+  pointed = null; // [x, y] of a pointer that rests, in pixels
+  chosen = false; // by who looks: another size of the picture leaves it alone
   #grid = new Layer();
   #key = new Layer();
-  #links = new Links();
   #loads = new Loads();
   #moments = new Scale();
-  #reach = new Reach();
-  settled = false; // what is shown was fitted to this rod, or chosen since
-  chosen = false; // by who looks: another size of the picture leaves it alone
-  #restless = false;
-  #fitted = { begun: 0, length: 0 }; // what was fitted last
+  #been = NOWHERE; // where the rod has come, as it was drawn: a box, absolute [m]
+  #swings = false;
+  #another = true; // a rod that was not fitted yet
+  #begun = null; // the run that was fitted last, and the length of its rod
+  #length = 0;
   #two = false; // whether the run that is kept stands beside
 
-  constructor(canvas, state) {
-    this.canvas = canvas;
-    this.state = state;
+  // options: the props of rod.js; hint: an element for what is said of a link.
+  constructor(canvas, hint, state, options) {
+    Object.assign(this, { canvas, hint, state, options });
     this.context = canvas.getContext("2d", { alpha: false });
-  }
-
-  // A pointer rests at a place [x, y], or null: nowhere.
-  point(place) {
-    this.#pointed = place;
-    this.#restless = true;
+    this.camera.mode = options.view;
   }
 
   resize() {
@@ -106,26 +79,26 @@ export class Picture {
   // True while it wants to be drawn again.
   paint(now, fresh, fully) {
     if (fresh) this.#take();
-    if (fresh || fully || this.#restless) this.#restless = this.draw(now);
-    return this.#restless;
+    if (fresh || fully || this.#swings) this.#swings = this.draw(now);
+    return this.#swings;
   }
 
   #take() {
-    const places = this.state.joints;
+    const { joints: places, begun, repeats, origin } = this.state;
     if (!places) return;
     if (this.points.length !== places.length) {
       this.forget();
       this.points = new Float64Array(places.length);
     }
-    const begins = this.state.begun !== this.#fitted.begun;
+    const begins = begun !== this.#begun;
     if (begins) this.#rescale();
     const far = length(places);
-    const same = Math.abs(far - this.#fitted.length) <= SAME * far;
-    if (!same || (begins && !this.state.repeats)) this.#reach.forget();
-    this.#reach.add(this.#joints, this.state.origin);
-    if (!same || begins || this.#leaves) this.refit();
-    else if (!this.settled) this.fit();
-    Object.assign(this.#fitted, { begun: this.state.begun, length: far });
+    const other = this.#another || !(Math.abs(far - this.#length) <= SAME * far);
+    [this.#begun, this.#length, this.#another] = [begun, far, false];
+    if (other || (begins && !repeats)) this.#been = NOWHERE;
+    const { box } = size(this.#joints);
+    this.#been = about(this.#been, box.map((end, k) => end + origin[k % 2]));
+    if (other || begins || this.#leaves) this.refit();
   }
 
   // Whether a part of the rod was outside of the picture that was drawn last. Under a pointer that
@@ -146,13 +119,6 @@ export class Picture {
     return enlarged(this.state.joints, times, support, clampAngle);
   }
 
-  view(mode) {
-    this.options.view = mode;
-    if (this.state.joints) this.camera.change(mode, this.state.origin, this.state.point);
-    else this.camera.mode = mode;
-    this.refit();
-  }
-
   // What is to be seen is other than before: it is fitted again, unless a part of it was chosen.
   refit() {
     if (!this.chosen) this.fit();
@@ -160,52 +126,49 @@ export class Picture {
 
   // The rod is drawn otherwise: where it has come before does not count.
   anew() {
-    this.#reach.forget();
+    this.#been = NOWHERE;
     this.refit();
   }
 
   // Shows the whole rod, with room to swing.
   fit() {
-    const { state, camera } = this;
-    const { support, show, loads, ties } = this.options;
+    const { state, camera, options } = this;
+    const { support, show, loads, ties } = options;
+    camera.mode = options.view;
+    this.chosen = false;
     if (!state.joints || !(this.canvas.clientWidth > 0)) return;
     this.context.font = FONT; // a canvas that was resized has forgotten it
     const { arrow, names } = most(loads, state, show);
-    const fixed = ties.map(({ x, y }) => [x - state.origin[0], y - state.origin[1]]);
-    const parts = around(this.#joints, state.point, camera.mode, support, arrow, fixed);
+    const relative = (absolute) => absolute.map((part, k) => part - state.origin[k % 2]);
+    const fixed = ties.map(({ x, y }) => relative([x, y]));
+    let box = around(this.#joints, state.point, camera.mode, support, fixed);
     // A rod that is held comes back to where it has been.
-    const been = support !== "none" && camera.mode === "fixed" && this.#reach.from(state.origin);
-    if (been) parts.push({ box: been, room: arrow });
+    if (support !== "none" && camera.mode === "fixed") box = about(box, relative(this.#been));
+    if (this.#two) box[2] += ASIDE * this.#length;
     const [left, top, , high] = frame(this.context, camera.width, show.moment, names);
-    const all = this.#two ? twice(parts, this.#fitted.length) : parts;
-    const view = fitted(all, [camera.width, camera.height], [left, top + high]);
+    const room = Math.max(ROOM, arrow);
+    const view = fitted(box, room, [camera.width, camera.height], [left, top + high]);
     camera.fit(view, state.origin, state.point);
-    this.settled = true;
-    this.chosen = false;
   }
 
   // Another rod: what was fitted to the one before is let go. Its state may be there already, or
   // come next.
   forget() {
-    this.#reach.forget();
+    this.#been = NOWHERE;
     this.fit();
-    this.settled = this.chosen = false;
+    this.#another = true;
     this.#rescale();
   }
 
   #rescale() {
-    this.#moments.reset();
-    this.#loads.reset();
+    this.#moments = new Scale();
+    this.#loads = new Loads();
   }
 
-  // True while scales still move.
+  // True while something swings.
   draw(now) {
-    const {
-      context,
-      camera,
-      state,
-      options: { show, loads },
-    } = this;
+    const { context, camera, state, points, options } = this;
+    const { show, loads, mode, times } = options;
     const colours = theme();
     if (!(camera.width > 1 && camera.height > 1)) return false;
     context.setTransform(this.dense, 0, 0, this.dense, 0, 0);
@@ -213,23 +176,22 @@ export class Picture {
     camera.follow(state.origin, state.point);
     this.#pair();
     this.#ground(colours);
-    if (!this.points.length) return false;
+    if (!points.length) return false;
     const joints = this.#joints;
-    camera.project(joints, this.points);
-    const real = this.options.times === 1;
+    camera.project(joints, points);
+    const real = times === 1;
     if (show.trail && real) state.trail.draw(context, camera, state, colours);
-    if (real) ghost(context, camera, state.ghost, colours, this.#two ? this.#fitted.length : 0);
+    if (real) ghost(context, camera, state.ghost, colours, this.#two ? this.#length : 0);
     const limit = this.#rod(now, colours);
     if (real) this.#centre(colours);
-    const rows = this.#loads.draw(context, camera, loads, state, this.points, show, now);
-    const { mode } = this.options;
-    const swings = swing(context, camera, joints, mode, this.#fitted.length, now, colours);
+    const rows = this.#loads.draw(context, camera, loads, state, points, show, now);
+    const swings = swing(context, camera, joints, mode, this.#length, now, colours);
     if (this.kick) this.#aim(colours);
-    pull(context, camera, state, this.points, this.hand, this.options.times, colours);
+    pull(context, camera, state, points, this.hand, times, colours);
     this.#legend(limit, rows, colours);
     this.#time(colours);
     this.#hint(colours);
-    return swings || this.#moments.moving || this.#loads.moving;
+    return swings;
   }
 
   // The run that is kept comes to stand beside, or stands there no longer.
@@ -239,16 +201,6 @@ export class Picture {
     if (two === this.#two) return;
     this.#two = two;
     this.refit();
-  }
-
-  // The ends of the rod and their names.
-  get #ends() {
-    const at = (k) => [this.points.at(2 * k), this.points.at(2 * k + 1)];
-    const first = this.options.support === "none" ? "nose" : "root";
-    return [
-      [at(0), at(1), first],
-      [at(-1), at(-2), "tail"],
-    ];
   }
 
   #ground(colours) {
@@ -276,78 +228,64 @@ export class Picture {
   }
 
   #rod(now, colours) {
-    const { context, points, state, options } = this;
-    const moments =
-      options.show.moment && 2 * (state.moment?.length ?? 0) === points.length
-        ? state.moment
-        : null;
+    const { context, points, state, camera, options } = this;
+    const { show, clampAngle } = options;
+    const told = show.moment && 2 * (state.moment?.length ?? 0) === points.length;
+    const moments = told ? state.moment : null;
     let largest = 0;
     for (const moment of moments ?? []) largest = Math.max(largest, Math.abs(moment));
     const limit = moments ? this.#moments.follow(largest, now) : 0;
-    const [c, s] = [Math.cos(options.clampAngle), Math.sin(options.clampAngle)];
-    support(context, options.support, points[0], points[1], this.camera.direction(c, s), colours);
+    const straight = camera.direction(Math.cos(clampAngle), Math.sin(clampAngle));
+    support(context, options.support, points[0], points[1], straight, colours);
     const [x0, y0] = state.origin;
-    const screen = (x, y) => this.camera.screen(x - x0, y - y0);
-    anchors(context, points, options, screen, colours);
-    if (options.show.joints)
-      joints(context, points, this.#links.width(points), Boolean(moments), colours);
-    this.#links.draw(context, points, moments, limit, colours);
+    anchors(context, points, options, (x, y) => camera.screen(x - x0, y - y0), colours);
+    if (show.joints) joints(context, points, colours);
+    links(context, points, moments, limit, colours);
     bodies(context, points, options.bodies, colours);
-    if (options.show.ends) ends(context, this.#ends, colours);
+    if (show.ends) ends(context, points, options.support === "none" ? "nose" : "root", colours);
     return limit;
   }
 
   #centre(colours) {
-    const {
-      context,
-      camera,
-      state: { point },
-      options: { show },
-    } = this;
-    if (!Number.isFinite(point?.[0]) || !Number.isFinite(point?.[1])) return;
-    const [x, y] = camera.screen(point[0], point[1]);
-    if (show.axes && Number.isFinite(point[2])) {
-      const first = camera.direction(Math.cos(point[2]), Math.sin(point[2]));
-      axes(context, x, y, first, colours);
+    const { context, camera, state, options } = this;
+    const [gx, gy, angle] = state.point ?? [];
+    if (!Number.isFinite(gx) || !Number.isFinite(gy)) return;
+    const [x, y] = camera.screen(gx, gy);
+    if (options.show.axes && Number.isFinite(angle)) {
+      axes(context, x, y, camera.direction(Math.cos(angle), Math.sin(angle)), colours);
     }
-    if (show.cg) centre(context, x, y, colours);
+    if (options.show.cg) centre(context, x, y, colours);
   }
 
   // The arrow begins at the link, wherever that has moved to; what is dragged so far beside its end.
   #aim(colours) {
     const { link, share, dx, dy } = this.kick;
-    const [ax, ay, bx, by] = this.points.subarray(2 * link, 2 * link + 4);
-    const [x, y] = [ax + share * (bx - ax), ay + share * (by - ay)];
+    const [x, y] = along(this.points, link, share);
     arrows(this.context, [[x, y, dx, dy]], colours.kick, 3);
     const impulse = Math.hypot(...this.camera.metres(dx, dy)) * this.options.perMetre;
-    this.context.textAlign = dx < 0 ? "right" : "left";
-    this.context.textBaseline = "middle";
-    this.context.fillStyle = colours.ink;
+    const textAlign = dx < 0 ? "right" : "left";
+    Object.assign(this.context, { textAlign, textBaseline: "middle", fillStyle: colours.ink });
     const beside = Math.sign(dx || 1) * 8;
     outlined(this.context, `${short(impulse, 3)} N s`, x + dx + beside, y + dy, colours);
   }
 
   #time(colours) {
-    if (this.state.t === null) return;
-    this.context.fillStyle = colours.ink;
-    this.context.textAlign = "left";
-    this.context.textBaseline = "top";
-    outlined(this.context, `t = ${this.state.clock} s`, 8, 10, colours);
+    const { context, state } = this;
+    if (state.t === null) return;
+    Object.assign(context, { textAlign: "left", textBaseline: "top", fillStyle: colours.ink });
+    outlined(context, `t = ${state.clock} s`, 8, 10, colours);
     const { times, mode } = this.options;
-    const kept = over(this.state.kept, this.state.t);
-    const notes = [mode?.text, times === 1 ? null : `displacements \u00d7 ${times}`, kept];
-    this.context.fillStyle = colours.present;
-    notes
-      .filter((note) => note)
-      .forEach((note, k) => outlined(this.context, note, 8, 28 + 18 * k, colours));
+    const enlarged = times === 1 ? null : `displacements \u00d7 ${times}`;
+    const notes = [mode?.text, enlarged, over(state.kept, state.t)].filter((note) => note);
+    context.fillStyle = colours.present;
+    notes.forEach((note, k) => outlined(context, note, 8, 28 + 18 * k, colours));
   }
 
   // Of the link that is pointed at.
   #hint(colours) {
-    const { context, camera, state, points, options } = this;
-    const pointed = this.#pointed;
+    const { context, state, points, pointed } = this;
     const hit = pointed && met(points, ...pointed);
-    if (!hit) return;
-    hint(context, camera, points, pointed, hit, said(state, options.loads, hit.link), colours);
+    tell(this.hint, hit ? said(state, this.options.loads, hit.link) : [], pointed);
+    if (hit) line(context, points.subarray(2 * hit.link, 2 * hit.link + 4), colours.present, 2);
   }
 }

@@ -1,7 +1,6 @@
 // Plots in a grid, as many as wanted; drawn one a frame, so that the rod keeps moving.
 
 import { Card } from "rodgen-live/card.js";
-import { Glance } from "rodgen-live/glance.js";
 import { hub } from "rodgen-live/hub.js";
 import { dark } from "rodgen-live/theme.js";
 
@@ -45,34 +44,30 @@ class Queue {
 }
 
 const EARLY = 64; // messages kept for a plot that the page does not have yet
+const GLANCE = 150; // milliseconds; a pointer on its way over the page leaves the rod alone
+const MANY_CURVES = ["time", "sweep"]; // kinds of plots; others have a curve of y over x
+
+const idOf = (element) => element.closest?.("[data-plot]")?.dataset.plot;
 
 export default {
-  template: `<div class="rodgen-plots"></div>`,
+  // A card is dragged by its head onto the place of another.
+  template: `<div class="rodgen-plots" @dragstart="drag" @dragover.prevent @drop.prevent="drop"></div>`,
   props: { specs: Array },
   mounted() {
     this.cards = new Map();
-    this.early = new Map();
-    this.pointed = false; // whether a pointer is at a time of some plot
+    this.early = new Map(); // what is to be done by cards that are not there yet, by plot
+    this.pointed = null; // the time of some plot that a pointer is at [s]
     this.marks = new Map(); // values that are marked in sweeps, by plot
-    this.kept = new Map(); // rows of the run that is kept, by plot
     this.queue = new Queue();
-    this.glance = new Glance(hub.past);
     this.shade = dark();
-    this.painter = { paint: (...frame) => this.paint(...frame) };
-    hub.painters.add(this.painter);
-    hub.rows = (...rows) => this.take(...rows);
-    hub.ghosts = (id, rows) => this.compare(id, rows);
-    hub.restarts.add((this.restart = () => this.each((card) => card.restart())));
-    hub.cursors.add((this.look = (t, by) => this.each((card) => card !== by && card.look(t, this.pointed))));
+    hub.painters.add(this);
+    hub.plots = this;
     hub.shown.plots = {};
-    this.sort();
     this.fill();
   },
   beforeUnmount() {
-    hub.painters.delete(this.painter);
-    hub.rows = hub.ghosts = () => {};
-    hub.restarts.delete(this.restart);
-    hub.cursors.delete(this.look);
+    hub.painters.delete(this);
+    hub.plots = null;
     this.each((card) => card.close());
   },
   watch: { specs: { handler: "fill", deep: true } },
@@ -82,66 +77,80 @@ export default {
     },
     // The cards become those of `specs`, in their order.
     fill() {
-      const wanted = new Set(this.specs.map((spec) => spec.id));
-      for (const id of this.cards.keys()) if (!wanted.has(id)) this.drop(id);
+      const ids = this.specs.map(({ id }) => id);
+      for (const id of this.cards.keys()) if (!ids.includes(id)) this.close(id);
       for (const spec of this.specs) {
         const text = JSON.stringify({ ...spec, wrapped: undefined });
-        if (this.cards.get(spec.id)?.text === text) {
-          this.cards.get(spec.id).wrap(spec.wrapped);
-          continue;
-        }
-        if (this.cards.has(spec.id)) this.drop(spec.id);
-        this.open(spec, text);
+        const card = this.cards.get(spec.id);
+        if (card?.text === text) card.wrap(spec.wrapped);
+        else this.open(spec, text);
       }
-      this.order(this.specs.map((spec) => spec.id));
+      this.order(ids);
       hub.repaint();
     },
-    open(spec, text) {
-      const { id } = spec;
-      const card = new Card(JSON.parse(JSON.stringify(spec)), {
-        remove: () => this.removed(id),
-        changed: () => hub.repaint(),
-        picked: (row) => this.$emit("picked", { id, row }),
-        marks: () => this.marks.get(id),
-        looked: (t) => {
-          this.pointed = t !== null;
-          this.glance.at(t);
-          hub.cursor(t, card);
-        },
-        zoomed: (view) => this.zoomed(card, view),
-        wrapped: (wrapped) => this.$emit("wrapped", { id, wrapped }),
-      });
+    open({ id, wrapped }, text) {
+      if (this.cards.has(id)) this.close(id);
+      const spec = { ...JSON.parse(text), wrapped };
+      if (!MANY_CURVES.includes(spec.kind)) {
+        const { label, unit } = spec.y;
+        spec.series = [{ ...spec.series[0], name: label, label, unit }];
+      }
+      const card = new Card(spec, this);
       card.text = text;
       this.cards.set(id, card);
       this.$el.append(card.frame);
       card.open();
-      for (const rows of this.early.get(id) ?? []) card.take(...rows);
+      for (const does of this.early.get(id) ?? []) does(card);
       this.early.delete(id);
-      if (this.kept.has(id)) card.compare(this.kept.get(id));
     },
-    // Plots over time have one axis; one that is paused has its own.
-    zoomed(card, view) {
+    // The pointer is over a time [s] of a card, null: over none. Where it rests, the rod is shown
+    // as it was then.
+    point(t, by) {
+      const before = this.pointed;
+      this.pointed = t;
+      this.look(t ?? hub.shown.past, t === null ? null : by);
+      if (t === before) return;
+      if (t === null) {
+        clearTimeout(this.waiting);
+        this.waiting = null;
+        if (this.before !== undefined) hub.past.look(this.before);
+        this.before = undefined;
+      } else if (this.before !== undefined) hub.past.look(t);
+      else this.waiting ??= setTimeout(() => this.glance(), GLANCE);
+    },
+    glance() {
+      this.before = hub.past.at;
+      hub.past.look(this.pointed);
+    },
+    restart() {
+      this.each((card) => card.restart());
+    },
+    // The time `t` is looked at, null: none is, but for a card that has told of it.
+    look(t, by = null) {
+      this.each((card) => card !== by && card.look(t));
+    },
+    // Shows a part of a card. Plots over time have one axis; one that is paused has its own.
+    zoom(card, view) {
       const follows = ({ spec, curves }) => spec.kind === "time" && !curves.paused;
-      if (follows(card)) this.each((other) => other !== card && follows(other) && other.show(view));
+      const along = (other) => other === card || (follows(card) && follows(other));
+      this.each((other) => along(other) && other.show(view));
+    },
+    // Has something done by a card, once the page has it.
+    tell(id, does) {
+      const card = this.cards.get(id);
+      if (card) does(card);
+      else this.early.set(id, [...(this.early.get(id) ?? []), does].slice(-EARLY));
     },
     compare(id, rows) {
-      this.kept.set(id, rows);
-      this.cards.get(id)?.compare(rows);
+      this.tell(id, (card) => card.compare(rows));
     },
-    drop(id) {
-      this.kept.delete(id);
+    close(id) {
       this.cards.get(id).close();
       this.cards.delete(id);
       delete hub.shown.plots[id];
     },
     take(id, values, replace) {
-      const card = this.cards.get(id);
-      if (card) {
-        card.take(values, replace);
-        return;
-      }
-      const kept = replace ? [] : (this.early.get(id) ?? []).slice(1 - EARLY);
-      this.early.set(id, [...kept, [values, replace]]);
+      this.tell(id, (card) => card.take(values, replace));
     },
     // Rows of a sweep, of which null is no number.
     sweep(id, rows, marks) {
@@ -149,10 +158,10 @@ export default {
       this.take(id, rows.map((one) => one ?? NaN), true);
       hub.repaint();
     },
-    removed(id) {
+    remove(id) {
       const ids = [...this.cards.keys()];
       const next = this.cards.get(ids[ids.indexOf(id) + 1] ?? ids[ids.indexOf(id) - 1]);
-      this.drop(id);
+      this.close(id);
       next?.box.focus();
       this.$emit("removed", { id });
     },
@@ -167,39 +176,25 @@ export default {
       this.cards = new Map(ids.map((id) => [id, this.cards.get(id)]));
       if (focus && this.$el.contains(focus)) focus.focus();
     },
-    move(id, by) {
+    drag({ target, dataTransfer }) {
+      dataTransfer.setData("text/plain", idOf(target));
+      dataTransfer.effectAllowed = "move";
+    },
+    drop({ target, dataTransfer }) {
       const ids = [...this.cards.keys()];
-      const from = ids.indexOf(id);
-      const to = Math.min(Math.max(from + by, 0), ids.length - 1);
-      if (to === from) return;
+      const from = ids.indexOf(dataTransfer.getData("text/plain"));
+      const to = ids.indexOf(idOf(target));
+      if (from < 0 || to < 0 || from === to) return;
       ids.splice(to, 0, ...ids.splice(from, 1));
       this.order(ids);
       this.$emit("moved", { ids });
-    },
-    // A card is dragged by its head onto the place of another.
-    sort() {
-      let dragged = null;
-      const id = (event) => event.target.closest?.("[data-plot]")?.dataset.plot;
-      const listen = (name, handler) => this.$el.addEventListener(name, handler);
-      listen("dragstart", (event) => {
-        dragged = id(event);
-        event.dataTransfer.effectAllowed = "move";
-      });
-      listen("dragover", (event) => dragged && event.preventDefault());
-      listen("drop", (event) => {
-        const ids = [...this.cards.keys()];
-        const by = ids.indexOf(id(event)) - ids.indexOf(dragged);
-        if (dragged && id(event)) this.move(dragged, by);
-        event.preventDefault();
-      });
-      listen("dragend", () => (dragged = null));
     },
     paint(now, fresh, fully) {
       if (fully && this.shade !== dark()) {
         this.shade = dark();
         this.each((card) => card.restyle());
       }
-      if (fresh || fully) for (const card of this.cards.values()) card.turn(hub.shown.past);
+      if (fresh || fully) this.each((card) => card.turn(hub.shown.past));
       const more = this.queue.paint([...this.cards.values()], now);
       for (const [id, card] of this.cards) {
         const { curves, draws } = card;

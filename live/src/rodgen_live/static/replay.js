@@ -5,37 +5,23 @@ import Plots from "./plots.js";
 import Rod from "./rod.js";
 import TimeLine from "./timeline.js";
 import { hub } from "./hub.js";
-import { lowest } from "./rows.js";
+import { nearest } from "./rows.js";
 
 const { title, rod, plots, times, ends, data } = window.rodgenRun;
 const bytes = Uint8Array.from(atob(data), (letter) => letter.charCodeAt(0)).buffer;
 
+let at = 0; // the sample that is shown
+
+// Shows the message of a number: the first has all that stands, the others a sample each.
+const show = (number) => hub.receive(bytes.slice(ends[number], ends[number + 1]));
+
 // Answers what the page asks of a server: the sample nearest to a time, or one some steps on.
-class Player {
-  #at = 0;
-
-  begin() {
-    hub.connected((text) => this.#answer(JSON.parse(text)));
-    this.#show(0);
-  }
-
-  #answer({ look, step }) {
-    if (step !== undefined) this.#at += step;
-    else if (look === null) this.#at = times.length - 1;
-    else if (look !== undefined) this.#at = nearest(look);
-    this.#at = Math.min(Math.max(this.#at, 0), times.length - 1);
-    this.#show(this.#at + 1);
-  }
-
-  // The message of this number: the first has all that stands, the others a sample each.
-  #show(number) {
-    hub.receive(bytes.slice(ends[number], ends[number + 1]));
-  }
-}
-
-function nearest(t) {
-  const after = Math.min(lowest(times, t), times.length - 1);
-  return after && t - times[after - 1] < times[after] - t ? after - 1 : after;
+function answer({ look, step }) {
+  if (step !== undefined) at += step;
+  else if (look === null) at = times.length - 1;
+  else if (look !== undefined) at = nearest(times, look);
+  at = Math.min(Math.max(at, 0), times.length - 1);
+  show(at + 1);
 }
 
 const shade = (dark) => {
@@ -68,7 +54,8 @@ const App = {
   data: () => ({ title, rod, plots, speed: 1, speeds: [0.01, 0.1, 0.25, 0.5, 1, 2, 5, 10] }),
   mounted() {
     shade(matchMedia("(prefers-color-scheme: dark)").matches);
-    new Player().begin();
+    hub.connected(answer);
+    show(0);
     if (!matchMedia("(prefers-reduced-motion: reduce)").matches) this.$refs.line.play(true);
   },
   methods: {

@@ -11,39 +11,31 @@ const STILL = 4; // pixels that a click may move
 const APART = 30; // ms between two places of a pull that are sent
 const SAME = 0.25; // pixels by which they differ at least
 
-// `changed` asks for a drawing; `emit` sends "kick", "pull", "move", "release".
+// `emit` sends "kick", "pull", "move", "release".
 class Pointer {
-  tool = "look"; // or "kick", "pull"
-  holds = false;
   #sent = { at: 0, place: [0, 0] }; // of a pull
   #down = new Map(); // pointers that are down: id to [x, y]
-  #start = null; // {x, y, hit}
-  #moved = false;
+  #start = null; // where one of them began to drag: {x, y, hit}
 
-  constructor(picture, changed, emit) {
-    Object.assign(this, { picture, changed, emit });
+  constructor(picture, emit) {
+    Object.assign(this, { picture, emit });
     listen(picture.canvas, {
       pointerdown: (event) => this.#press(event),
       pointermove: (event) => this.#move(event),
       pointerup: (event) => this.#release(event),
-      pointercancel: (event) => this.#cancel(event),
+      pointercancel: (event) => this.#drop(event),
       pointerleave: () => this.#hover(null),
       wheel: (event) => this.#wheel(event),
       keydown: (event) => this.#key(event),
-      dblclick: () => this.#do(() => picture.fit()),
+      dblclick: () => this.#look(() => picture.fit()),
     });
-  }
-
-  #do(change) {
-    this.picture.settled = true;
-    change();
-    this.changed();
   }
 
   // Has another part of the world shown.
   #look(change) {
     this.picture.chosen = true;
-    this.#do(change);
+    change();
+    hub.repaint();
   }
 
   #place(event) {
@@ -53,63 +45,59 @@ class Pointer {
   #press(event) {
     if (event.button !== 0) return;
     const [x, y] = this.#place(event);
-    this.picture.point(null);
+    this.picture.pointed = null;
     this.picture.canvas.setPointerCapture(event.pointerId);
+    if (this.#down.size) this.#drop(event);
+    else this.#start = { x, y, hit: this.#hit(x, y) };
     this.#down.set(event.pointerId, [x, y]);
-    if (this.#down.size > 1) {
-      this.#drop();
-      return;
-    }
-    this.#start = { x, y, hit: this.#hit(x, y) };
-    this.#moved = false;
   }
 
   #move(event) {
+    const { picture } = this;
     const before = this.#down.get(event.pointerId);
     const now = this.#place(event);
     if (!before) {
       this.#hover(now);
       return;
     }
-    if (this.#down.size > 1) this.#pinch(event.pointerId, before, now);
     this.#down.set(event.pointerId, now);
-    if (this.#down.size > 1 || !this.#start) return;
-    const [dx, dy] = [now[0] - this.#start.x, now[1] - this.#start.y];
-    this.#moved ||= Math.hypot(dx, dy) > STILL;
-    if (!this.#moved) return;
-    const { hit } = this.#start;
-    if (hit && this.tool === "pull") this.#pull(hit, now);
-    else if (hit) this.#do(() => (this.picture.kick = { ...hit, dx, dy }));
-    else this.#look(() => this.picture.camera.pan(now[0] - before[0], now[1] - before[1]));
+    if (this.#down.size > 1) this.#pinch(event.pointerId, before, now);
+    if (!this.#start) return;
+    const { x, y, hit } = this.#start;
+    const [dx, dy] = [now[0] - x, now[1] - y];
+    this.#start.moved ||= Math.hypot(dx, dy) > STILL;
+    if (!this.#start.moved) return;
+    if (!hit) this.#look(() => picture.camera.pan(now[0] - before[0], now[1] - before[1]));
+    else if (picture.options.tool === "pull") this.#pull(hit, now);
+    else picture.kick = { ...hit, dx, dy };
+    hub.repaint();
   }
 
   // `place`: of the pointer, or null where it has gone.
   #hover(place) {
-    this.picture.point(place);
-    hub.stir();
-    if (!place) return;
-    const [x, y] = place;
-    this.picture.canvas.style.cursor = this.#hit(x, y) ? "crosshair" : "grab";
+    this.picture.pointed = place;
+    hub.repaint();
+    if (place) this.picture.canvas.style.cursor = this.#hit(...place) ? "crosshair" : "grab";
   }
 
   // The link that a kick or a pull from there is for.
   #hit(x, y) {
     const { points, camera, state, options } = this.picture;
-    if (this.tool === "pull") {
-      const again = caught(x, y, camera, state, points, options.times);
-      if (again) return again;
-    }
-    return this.tool === "look" ? null : met(points, x, y);
+    if (options.tool === "look") return null;
+    const again = options.tool === "pull" && caught(x, y, camera, state, points, options.times);
+    return again || met(points, x, y);
   }
 
   #pull({ link, share }, [x, y]) {
     const begins = !this.picture.hand;
-    this.#do(() => (this.picture.hand = { link, share, x, y }));
+    this.picture.hand = { link, share, x, y };
+    if (!begins) {
+      this.follow();
+      return;
+    }
     const place = this.#held();
-    if (begins) {
-      this.#sent = { at: performance.now(), place };
-      this.emit("pull", { link, share, x: place[0], y: place[1] });
-    } else this.follow();
+    this.#sent = { at: performance.now(), place };
+    this.emit("pull", { link, share, x: place[0], y: place[1] });
   }
 
   // The world's place of the pointer that pulls [m].
@@ -131,17 +119,8 @@ class Pointer {
     return false;
   }
 
-  // The pointer lets go: of the far end alone, which stays, or of the rod.
-  #free(stays) {
-    if (!this.picture.hand) return;
-    this.#sent.at = 0;
-    if (stays) this.follow();
-    this.picture.hand = null;
-    if (!stays) this.emit("release", {});
-  }
-
   #pinch(id, before, now) {
-    const [other] = [...this.#down].filter(([key]) => key !== id).map(([, place]) => place);
+    const [, other] = [...this.#down].find(([key]) => key !== id);
     const size = ([x, y]) => Math.max(Math.hypot(x - other[0], y - other[1]), 1);
     const { camera } = this.picture;
     this.#look(() => {
@@ -151,27 +130,23 @@ class Pointer {
   }
 
   #release(event) {
-    if (!this.#down.delete(event.pointerId) || !this.#start) return;
-    const [x, y] = this.#place(event);
-    const { hit, x: fromX, y: fromY } = this.#start;
-    if (hit) {
-      const { link, share } = hit;
-      const [dx, dy] = this.picture.camera.metres(x - fromX, y - fromY);
-      if (this.picture.hand) this.#free(event.shiftKey || this.holds);
-      else if (this.#moved && this.tool === "kick") this.emit("kick", { link, share, dx, dy });
+    const { kick, hand, camera, options } = this.picture;
+    if (kick) {
+      const [dx, dy] = camera.metres(kick.dx, kick.dy);
+      this.emit("kick", { link: kick.link, share: kick.share, dx, dy });
+    } else if (hand && (event.shiftKey || options.hold)) {
+      this.follow(Infinity);
+      this.picture.hand = null; // the far end stays
     }
-    this.#drop();
+    this.#drop(event);
   }
 
-  #cancel(event) {
-    this.#down.delete(event.pointerId);
-    this.#drop();
-  }
-
-  #drop() {
-    this.#free(false);
-    this.#start = null;
-    this.#do(() => (this.picture.kick = null));
+  // The pointer is up, or one of several: it lets go of the rod.
+  #drop({ pointerId }) {
+    this.#down.delete(pointerId);
+    if (this.picture.hand) this.emit("release", {});
+    this.picture.hand = this.picture.kick = this.#start = null;
+    hub.repaint();
   }
 
   #wheel(event) {
@@ -198,7 +173,7 @@ class Pointer {
 
   // Lets go of a kick, and of a pull that stays.
   #escape() {
-    this.#drop();
+    this.#drop({});
     if (this.picture.state.pull?.length) this.emit("release", {});
   }
 }
@@ -207,92 +182,49 @@ export default {
   template: `
     <div class="rodgen-rod">
       <canvas ref="canvas" role="img" tabindex="0" :aria-label="label"></canvas>
+      <div ref="hint" class="rodgen-hint" hidden></div>
     </div>`,
   props: {
-    show: Object,
-    loads: Array,
-    bodies: Array,
-    ties: Array,
-    bed: Array,
-    view: String,
-    support: String,
-    clampAngle: Number,
-    tool: String,
-    hold: Boolean,
-    perMetre: Number,
-    times: Number,
-    mode: Object,
-    label: String,
-    rod: Number,
+    ...{ show: Object, loads: Array, bodies: Array, ties: Array, bed: Array, mode: Object },
+    ...{ view: String, support: String, tool: String, label: String, hold: Boolean },
+    ...{ clampAngle: Number, perMetre: Number, times: Number, rod: Number },
   },
   mounted() {
-    const picture = new Picture(this.$refs.canvas, hub.rod);
-    const pointer = new Pointer(
-      picture,
-      () => hub.repaint(),
-      (name, what) => this.$emit(name, what),
-    );
-    Object.assign(this, { picture, pointer });
-    picture.camera.mode = this.view;
-    this.set();
-    this.painter = {
-      paint: (...frame) => {
-        const waits = pointer.follow();
-        const more = picture.paint(...frame);
-        Object.assign(hub.shown, {
-          joints: Array.from(picture.points),
-          scale: picture.camera.scale,
-          mode: picture.options.mode?.text ?? null,
-        });
-        return more || waits;
-      },
-    };
+    const { canvas, hint } = this.$refs;
+    const options = () => ({ ...this.$props });
+    const picture = new Picture(canvas, hint, hub.rod, options());
+    this.picture = picture;
+    this.pointer = new Pointer(picture, (name, what) => this.$emit(name, what));
+    this.$watch(options, (now, before) => {
+      const other = (...names) => names.some((name) => now[name] !== before[name]);
+      picture.options = now;
+      // What is around the rod, or how it is drawn, is other than before.
+      if (other("ties", "bed", "times")) picture.anew();
+      if (other("view")) picture.fit();
+      if (other("rod")) picture.forget();
+      hub.repaint();
+    });
     this.sizes = new ResizeObserver(() => {
       picture.resize();
       // At once: a canvas that was resized is blank.
       picture.draw(performance.now());
     });
     this.sizes.observe(this.$el);
-    hub.painters.add(this.painter);
+    hub.painters.add(this);
   },
   beforeUnmount() {
     this.sizes.disconnect();
-    hub.painters.delete(this.painter);
-  },
-  watch: {
-    show: "set",
-    bodies: "set",
-    ties: "held",
-    bed: "held",
-    support: "set",
-    clampAngle: "set",
-    tool: "set",
-    hold: "set",
-    perMetre: "set",
-    times: "held",
-    mode: "set",
-    view(mode) {
-      this.picture.view(mode);
-      hub.repaint();
-    },
-    rod() {
-      this.picture.forget();
-      hub.repaint();
-    },
+    hub.painters.delete(this);
   },
   methods: {
-    set() {
-      const { show, loads, bodies, ties, bed, view, support, clampAngle, perMetre, times, mode } = this;
-      const marks = { bodies, ties, bed, support, clampAngle };
-      const options = { show: { ...show }, loads, ...marks, view, perMetre, times, mode };
-      Object.assign(this.picture.options, options);
-      Object.assign(this.pointer, { tool: this.tool, holds: this.hold });
-      hub.repaint();
-    },
-    // What is around the rod, or how it is drawn, is other than before.
-    held() {
-      this.set();
-      this.picture.anew();
+    paint(...frame) {
+      const { picture } = this;
+      const waits = this.pointer.follow();
+      const more = picture.paint(...frame);
+      const { points, camera, options } = picture;
+      const mode = options.mode?.text ?? null;
+      Object.assign(hub.shown, { joints: Array.from(points), scale: camera.scale, mode });
+      return more || waits;
     },
     fit() {
       this.picture.fit();

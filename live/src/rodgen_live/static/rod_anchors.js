@@ -12,9 +12,7 @@ export function support(context, kind, x, y, [dx, dy], colours) {
   context.save();
   context.translate(x, y);
   if (kind === "wall") context.rotate(Math.atan2(dy, dx) + Math.PI / 2);
-  context.strokeStyle = colours.faint;
-  context.fillStyle = colours.grid;
-  context.lineWidth = 2;
+  Object.assign(context, { strokeStyle: colours.faint, fillStyle: colours.grid, lineWidth: 2 });
   if (kind === "pin") pin(context, 18);
   else hatch(context, -18, 18, 0);
   context.restore();
@@ -63,7 +61,7 @@ export function spring(context, [x, y], [toX, toY]) {
   context.lineTo(toX, toY);
 }
 
-// The point of a link at a share of it, in pixels.
+// The point of a link at a share of it, of joints x0, y0, x1, ... in pixels or in metres.
 export function along(points, link, share) {
   const [ax, ay, bx, by] = points.subarray(2 * link, 2 * link + 4);
   return [ax + share * (bx - ax), ay + share * (by - ay)];
@@ -85,18 +83,16 @@ function foundation(context, points, [[x, y], [toX, toY]], colours) {
     const at = (k / count) * links;
     const link = Math.min(Math.floor(at), links - 1);
     const share = k / count;
-    spring(context, along(points, link, at - link), [
-      x + share * dx + downX,
-      y + share * dy + downY,
-    ]);
+    const ground = [x + share * dx + downX, y + share * dy + downY];
+    spring(context, along(points, link, at - link), ground);
   }
   context.stroke();
   context.save();
-  context.translate(x + downX, y + downY);
+  context.translate(...(dx < 0 ? [toX, toY] : [x, y]));
+  context.translate(downX, downY);
   context.rotate(dx < 0 ? Math.atan2(-dy, -dx) : Math.atan2(dy, dx));
   context.lineWidth = 2;
-  if (dx < 0) hatch(context, -length, 0, 0);
-  else hatch(context, 0, length, 0);
+  hatch(context, 0, length, 0);
   context.restore();
 }
 
@@ -108,9 +104,7 @@ export function anchors(context, points, { ties, bed }, screen, colours) {
   for (const { link, share, x, y } of ties) {
     if (2 * link + 4 > points.length) continue; // the rod before
     const fixed = screen(x, y);
-    context.strokeStyle = colours.faint;
-    context.fillStyle = colours.grid;
-    context.lineWidth = 1.5;
+    Object.assign(context, { strokeStyle: colours.faint, fillStyle: colours.grid, lineWidth: 1.5 });
     context.beginPath();
     spring(context, along(points, link, share), fixed);
     context.stroke();

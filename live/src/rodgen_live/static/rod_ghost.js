@@ -1,18 +1,13 @@
 // The rod of the run that is kept to compare with: pale, behind the rod itself, or beside it.
 
+import { line } from "./rod_links.js";
 import { outlined } from "./rod_marks.js";
 import { short } from "./scales.js";
 
 const WIDE = 4; // pixels
 const PALE = 0.35;
-const ASIDE = 1.2; // lengths of the rod, from one to the other
+export const ASIDE = 1.2; // lengths of the rod, from one to the other
 const NAME = 18; // pixels from its first joint to its name
-
-// Parts to be fitted (camera.js), each once more where the other rod is.
-export const twice = (parts, length) =>
-  parts.flatMap((part) => [part, { ...part, box: shifted(part.box, ASIDE * length) }]);
-
-const shifted = ([left, low, right, high], by) => [left + by, low, right + by, high];
 
 // What is said of the run that is kept where the rod is drawn at a time that it has not; `span`: of
 // that run [s], null: no run is kept.
@@ -30,19 +25,13 @@ export function ghost(context, camera, joints, colours, length) {
   context.translate(ASIDE * length * camera.scale, 0);
   if (length) {
     const [x, y] = camera.screen(joints[0], joints[1]);
-    context.fillStyle = colours.faint;
-    context.textAlign = "center";
-    context.textBaseline = "top";
+    const { faint: fillStyle } = colours;
+    Object.assign(context, { fillStyle, textAlign: "center", textBaseline: "top" });
     outlined(context, "run that is kept", x, y + NAME, colours);
   }
   context.globalAlpha = length ? 1 : PALE;
-  context.strokeStyle = length ? colours.link : colours.ink;
-  context.lineWidth = WIDE;
-  context.lineCap = context.lineJoin = "round";
-  context.beginPath();
-  for (let at = 0; at < joints.length; at += 2) {
-    context.lineTo(...camera.screen(joints[at], joints[at + 1]));
-  }
-  context.stroke();
+  const points = new Float64Array(joints.length);
+  camera.project(joints, points);
+  line(context, points, length ? colours.link : colours.ink, WIDE);
   context.restore();
 }

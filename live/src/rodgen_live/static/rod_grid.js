@@ -1,5 +1,6 @@
 // The grid on the ground with numbers in metres, and a bar that tells the scale.
 
+import { line } from "./rod_links.js";
 import { outlined } from "./rod_marks.js";
 import { above, base, multiples, short, written } from "./scales.js";
 
@@ -49,22 +50,21 @@ function seen(camera) {
 }
 
 function labels(context, camera, origin, { columns, rows, step, box }, colours) {
-  context.fillStyle = colours.faint;
+  const { faint: fillStyle } = colours;
   const [fromX, fromY] = [0, 1].map((k) => base(origin[k] + box[k], origin[k] + box[k + 2], step));
-  context.textBaseline = "bottom";
-  context.textAlign = "center";
+  Object.assign(context, { fillStyle, textAlign: "center", textBaseline: "bottom" });
   for (const k of columns) {
     const [x] = camera.screen(k * step - origin[0], 0);
     if (x > 46 && x < camera.width - 24) {
       outlined(context, written(k * step - fromX, step), x, camera.height - 4, colours);
     }
   }
-  context.textBaseline = "middle";
-  context.textAlign = "left";
+  Object.assign(context, { textAlign: "left", textBaseline: "middle" });
   for (const k of rows) {
     const [, y] = camera.screen(0, k * step - origin[1]);
-    if (y > 28 && y < camera.height - 26)
+    if (y > 28 && y < camera.height - 26) {
       outlined(context, written(k * step - fromY, step), 6, y, colours);
+    }
   }
   context.textBaseline = "bottom";
   const offsets = [
@@ -79,19 +79,14 @@ function labels(context, camera, origin, { columns, rows, step, box }, colours) 
 // Where x and y point in a view that turns.
 function compass(context, camera, colours) {
   const [x, y] = [44, camera.height - 44];
-  context.strokeStyle = context.fillStyle = colours.faint;
-  context.lineWidth = 1.5;
-  context.textAlign = "center";
-  context.textBaseline = "middle";
+  const { faint: fillStyle } = colours;
+  Object.assign(context, { fillStyle, textAlign: "center", textBaseline: "middle" });
   for (const [name, ex, ey] of [
     ["x", 1, 0],
     ["y", 0, 1],
   ]) {
     const [dx, dy] = camera.direction(ex, ey);
-    context.beginPath();
-    context.moveTo(x, y);
-    context.lineTo(x + 22 * dx, y + 22 * dy);
-    context.stroke();
+    line(context, [x, y, x + 22 * dx, y + 22 * dy], fillStyle, 1.5);
     context.fillText(name, x + 31 * dx, y + 31 * dy);
   }
 }
@@ -99,16 +94,9 @@ function compass(context, camera, colours) {
 function bar(context, camera, step, colours) {
   const length = step * camera.scale;
   const [right, y] = [camera.width - 12, camera.height - 26];
-  context.strokeStyle = colours.ink;
-  context.fillStyle = colours.ink;
-  context.lineWidth = 2;
-  context.beginPath();
-  context.moveTo(right - length, y - 4);
-  context.lineTo(right - length, y);
-  context.lineTo(right, y);
-  context.lineTo(right, y - 4);
-  context.stroke();
-  context.textAlign = "center";
-  context.textBaseline = "bottom";
+  const left = right - length;
+  line(context, [left, y - 4, left, y, right, y, right, y - 4], colours.ink, 2);
+  const { ink: fillStyle } = colours;
+  Object.assign(context, { fillStyle, textAlign: "center", textBaseline: "bottom" });
   context.fillText(`${short(step)} m`, right - length / 2, y - 4);
 }

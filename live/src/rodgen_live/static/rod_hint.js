@@ -3,10 +3,9 @@
 import { short } from "./scales.js";
 
 const NEAR = 12; // pixels from a link that still meet it
-const [ROW, EDGE, APART] = [17, 7, 16]; // pixels of the panel, and from the pointer to it
 
-// The link nearest to (px, py): {link, share, distance}, in pixels; points as x0, y0, ...
-function nearest(points, px, py) {
+// The link that (px, py) is upon, or null: {link, share, distance}, in pixels; points: x0, y0, ...
+export function met(points, px, py) {
   let best = { distance: Infinity };
   for (let at = 0; at + 3 < points.length; at += 2) {
     const [x, y] = [points[at], points[at + 1]];
@@ -15,17 +14,9 @@ function nearest(points, px, py) {
     const along = square > 0 ? ((px - x) * dx + (py - y) * dy) / square : 0;
     const share = Math.min(Math.max(along, 0), 1);
     const distance = Math.hypot(x + share * dx - px, y + share * dy - py);
-    if (distance < best.distance) {
-      best = { link: at / 2, share, distance };
-    }
+    if (distance < best.distance) best = { link: at / 2, share, distance };
   }
-  return best;
-}
-
-// The link that a pointer is upon, or null.
-export function met(points, px, py) {
-  const hit = nearest(points, px, py);
-  return hit.distance <= NEAR ? hit : null;
+  return best.distance <= NEAR ? best : null;
 }
 
 // Axial and shear forces in the joints at the ends of a link, of those that have them: the last
@@ -61,30 +52,4 @@ export function said({ joints, omega, moment, section, forces }, loads, link) {
     if (size > 0) rows.push(`${label} ${short(size, 3)} N at its joints`);
   }
   return rows;
-}
-
-// Draws the link that (px, py) is upon, and what is said of it, inside of the picture.
-export function hint(context, camera, points, [px, py], hit, rows, colours) {
-  const at = 2 * hit.link;
-  context.strokeStyle = colours.present;
-  context.lineWidth = 2;
-  context.beginPath();
-  context.moveTo(points[at], points[at + 1]);
-  context.lineTo(points[at + 2], points[at + 3]);
-  context.stroke();
-  const wide = Math.max(...rows.map((row) => context.measureText(row).width)) + 2 * EDGE;
-  const high = ROW * rows.length + 2 * EDGE;
-  const x = px + APART + wide < camera.width ? px + APART : px - APART - wide;
-  const y = Math.min(Math.max(py - high / 2, 0), camera.height - high);
-  context.fillStyle = colours.background;
-  context.strokeStyle = colours.axis;
-  context.lineWidth = 1;
-  context.beginPath();
-  context.roundRect(x, y, wide, high, 5);
-  context.fill();
-  context.stroke();
-  context.fillStyle = colours.ink;
-  context.textAlign = "left";
-  context.textBaseline = "middle";
-  rows.forEach((row, k) => context.fillText(row, x + EDGE, y + EDGE + (k + 0.5) * ROW));
 }

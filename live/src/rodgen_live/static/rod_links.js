@@ -27,82 +27,56 @@ export function length(points) {
   return sum;
 }
 
-export class Links {
-  #heads = new Int32Array(CLASSES);
-  #next = new Int32Array(0);
-
-  // points: x0, y0, x1, ... in pixels; moment: one a joint, or null.
-  draw(context, points, moment, limit, colours) {
-    const links = points.length / 2 - 1;
-    const width = this.width(points);
-    context.lineCap = context.lineJoin = "round";
-    this.#outline(context, points, width, colours);
-    context.lineWidth = width;
-    if (!moment || !(limit > 0)) {
-      stroke(context, colours.link, () => path(context, points));
-      return;
-    }
-    this.#sort(links, moment, limit);
-    const table = classes(colours.moments, CLASSES);
-    for (let k = 0; k < CLASSES; k++) {
-      if (this.#heads[k] >= 0) stroke(context, table[k], () => this.#class(context, points, k));
-    }
-  }
-
-  width(points) {
-    return Math.min(Math.max(length(points) / 70, 3), 9) || 3;
-  }
-
-  #outline(context, points, width, colours) {
-    context.lineWidth = width + 2;
-    context.globalAlpha = 0.5;
-    stroke(context, colours.edge, () => path(context, points));
-    context.globalAlpha = 1;
-  }
-
-  // Links by colour, as lists through #next: one stroke for all of a colour.
-  #sort(links, moment, limit) {
-    if (this.#next.length !== links) this.#next = new Int32Array(links);
-    this.#heads.fill(-1);
-    for (let i = links - 1; i >= 0; i--) {
-      const mean = (moment[i] + moment[i + 1]) / 2;
-      const k = classed(mean, limit);
-      this.#next[i] = this.#heads[k];
-      this.#heads[k] = i;
-    }
-  }
-
-  #class(context, points, k) {
-    let end = -1;
-    for (let i = this.#heads[k]; i >= 0; i = this.#next[i]) {
-      const at = 2 * i;
-      if (end !== i) context.moveTo(points[at], points[at + 1]);
-      context.lineTo(points[at + 2], points[at + 3]);
-      end = i + 1;
-    }
-  }
-}
-
-function stroke(context, colour, trace) {
-  context.strokeStyle = colour;
+// A line through x0, y0, x1, ... in pixels.
+export function line(context, points, colour, width) {
+  Object.assign(context, { strokeStyle: colour, lineWidth: width });
+  context.lineCap = context.lineJoin = "round";
   context.beginPath();
-  trace();
+  for (let at = 0; at < points.length; at += 2) context.lineTo(points[at], points[at + 1]);
   context.stroke();
 }
 
-function path(context, points) {
-  context.moveTo(points[0], points[1]);
-  for (let at = 2; at < points.length; at += 2) context.lineTo(points[at], points[at + 1]);
+const widthOf = (points) => Math.min(Math.max(length(points) / 70, 3), 9) || 3;
+
+// points: x0, y0, x1, ... in pixels; moments: one a joint, or null.
+export function links(context, points, moments, limit, colours) {
+  const width = widthOf(points);
+  context.globalAlpha = 0.5;
+  line(context, points, colours.edge, width + 2);
+  context.globalAlpha = 1;
+  if (!moments || !(limit > 0)) {
+    line(context, points, colours.link, width);
+    return;
+  }
+  const sorted = Array.from({ length: CLASSES }, () => []); // one stroke for all of a colour
+  for (let i = 0; i + 1 < moments.length; i++) {
+    sorted[classed((moments[i] + moments[i + 1]) / 2, limit)].push(i);
+  }
+  context.lineWidth = width;
+  classes(colours.moments, CLASSES).forEach((colour, k) => {
+    if (sorted[k].length) some(context, points, sorted[k], colour);
+  });
 }
 
-// Discs at the joints, for the links to be drawn over, unless they would touch; rotary springs where
-// there is room.
-export function joints(context, points, width, springs, colours) {
+// Of the links, those of these numbers, which ascend.
+function some(context, points, numbers, colour) {
+  context.strokeStyle = colour;
+  context.beginPath();
+  let end = -1;
+  for (const i of numbers) {
+    const at = 2 * i;
+    if (end !== i) context.moveTo(points[at], points[at + 1]);
+    context.lineTo(points[at + 2], points[at + 3]);
+    end = i + 1;
+  }
+  context.stroke();
+}
+
+// Discs at the joints, for the links to be drawn over, unless they would touch.
+export function joints(context, points, colours) {
   const count = points.length / 2;
-  const link = length(points) / (count - 1);
-  const radius = width / 2 + BESIDE;
-  if (!(link > 2 * radius + 1)) return;
-  if (springs && link > 34) spirals(context, points, Math.min(link / 4, 14), colours);
+  const radius = widthOf(points) / 2 + BESIDE;
+  if (!(length(points) / (count - 1) > 2 * radius + 1)) return;
   context.fillStyle = colours.joint;
   context.beginPath();
   for (let i = 0; i < count; i += 1) {
@@ -113,92 +87,58 @@ export function joints(context, points, width, springs, colours) {
   context.fill();
 }
 
-// The usual sign of a rotary spring, about every inner joint.
-function spirals(context, points, radius, colours) {
-  context.strokeStyle = colours.faint;
-  context.lineWidth = 1.2;
-  context.beginPath();
-  for (let at = 2; at < points.length - 2; at += 2) {
-    const begin =
-      Math.atan2(points[at + 1] - points[at - 1], points[at] - points[at - 2]) + Math.PI;
-    for (let k = 0; k <= 40; k++) {
-      const angle = begin + (k / 40) * 4 * Math.PI;
-      const r = radius * (1 - (0.6 * k) / 40);
-      const [x, y] = [points[at] + r * Math.cos(angle), points[at + 1] + r * Math.sin(angle)];
-      if (k) context.lineTo(x, y);
-      else context.moveTo(x, y);
-    }
-  }
-  context.stroke();
-}
-
 // Where the tail and the centre of gravity have been, and when: the last places, in absolute
 // coordinates.
 export class Trail {
-  #places = new Float64Array(WIDTH * MOST);
-  #count = 0;
+  #places = []; // [tail x, y, centre of gravity x, y, time], from first to last
 
-  // Rows of a message, tail x, y, centre of gravity x, y, and the time; `anew`: instead of those
-  // that are there; `length` of the rod.
+  // Rows of a message, these numbers one after the other; `anew`: instead of those that are there;
+  // `length` of the rod.
   add(rows, anew, length) {
-    if (anew) this.#count = 0;
-    for (let at = 0; at < rows.length; at += WIDTH) this.#keep(rows, at, CLOSE * length);
-  }
-
-  #keep(rows, at, close) {
-    const last = WIDTH * ((this.#count - 1) % MOST);
-    const moved = (k) => Math.abs(rows[at + k] - this.#places[last + k]);
-    if (this.#count && Math.max(moved(0), moved(1), moved(2), moved(3)) < close) return;
-    const next = WIDTH * (this.#count++ % MOST);
-    for (let k = 0; k < WIDTH; k++) this.#places[next + k] = rows[at + k];
-  }
-
-  // The number of the first place after a time, from a place on.
-  #after(t, first) {
-    let [low, high] = [first, this.#count];
-    while (low < high) {
-      const middle = (low + high) >> 1;
-      if (this.#places[WIDTH * (middle % MOST) + WHEN] > t) high = middle;
-      else low = middle + 1;
+    if (anew) this.#places = [];
+    for (let at = 0; at < rows.length; at += WIDTH) {
+      const [place, last] = [rows.slice(at, at + WIDTH), this.#places.at(-1)];
+      const near = (k) => Math.abs(place[k] - last[k]) < CLOSE * length;
+      if (!last || ![0, 1, 2, 3].every(near)) this.#places.push(place);
     }
-    return low;
+    if (this.#places.length > 2 * MOST) this.#places.splice(0, this.#places.length - MOST);
   }
 
   // Up to the places of `state`, at its time t [s].
   draw(context, camera, { origin, joints, point, t }, colours) {
-    const first = Math.max(0, this.#count - MOST);
-    const count = this.#after(Math.fround(t), first); // times have come in single precision
-    if (count === first) return;
+    // Times have come in single precision.
+    const end = this.#places.findLastIndex((place) => place[WHEN] <= Math.fround(t)) + 1;
+    const places = this.#places.slice(Math.max(0, end - MOST), end);
+    if (!places.length) return;
     context.lineWidth = 1.2;
     context.lineJoin = "bevel";
-    const span = (count - 1 - first) / PIECES;
-    for (const [column, colour, end] of [
+    for (const [column, colour, [x, y]] of [
       [2, colours.centre, point ?? [NaN, NaN]],
       [0, colours.tail, joints.slice(-2)],
     ]) {
       context.strokeStyle = colour;
+      const share = (places.length - 1) / PIECES;
       for (let piece = 0; piece < PIECES; piece++) {
         context.globalAlpha = 0.15 + (0.6 * (piece + 1)) / PIECES;
         context.beginPath();
-        const ends = [piece, piece + 1].map((k) => first + Math.floor(k * span));
-        this.#piece(context, camera, origin, column, ...ends);
-        if (piece === PIECES - 1) context.lineTo(...camera.screen(end[0], end[1]));
+        const part = places.slice(Math.floor(piece * share), Math.floor((piece + 1) * share) + 1);
+        this.#piece(context, camera, origin, part, column);
+        if (piece === PIECES - 1) context.lineTo(...camera.screen(x, y));
         context.stroke();
       }
     }
     context.globalAlpha = 1;
   }
 
-  // Places that lie closer are passed over.
-  #piece(context, camera, origin, column, from, to) {
+  // Places that lie closer are passed over, but for the first and the last.
+  #piece(context, camera, origin, places, column) {
     let [px, py] = [Infinity, Infinity];
-    for (let k = from; k <= to; k++) {
-      const at = WIDTH * (k % MOST) + column;
-      const [x, y] = camera.screen(this.#places[at] - origin[0], this.#places[at + 1] - origin[1]);
-      if (k !== from && k !== to && Math.abs(x - px) + Math.abs(y - py) < NEAR) continue;
-      if (k === from) context.moveTo(x, y);
-      else context.lineTo(x, y);
+    places.forEach((place, k) => {
+      const [x, y] = camera.screen(place[column] - origin[0], place[column + 1] - origin[1]);
+      const close = Math.abs(x - px) + Math.abs(y - py) < NEAR;
+      if (close && k + 1 < places.length) return;
+      context.lineTo(x, y);
       [px, py] = [x, y];
-    }
+    });
   }
 }

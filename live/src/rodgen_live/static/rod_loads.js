@@ -3,16 +3,18 @@
 // A load is {term, layer: what switches it, label, kind, colours: [on white, on black]}, as the page
 // has it from the vocabulary of the server.
 
-import { arrows, atEnd, KEY } from "./rod_marks.js";
+import { size } from "./camera.js";
+import { arrows, atEnd } from "./rod_marks.js";
 import { Scale, short } from "./scales.js";
 import { dark } from "./theme.js";
 
 const APART = 7; // pixels from one arrow to the next
-// By kind: pixels of the longest arrow at the end of its scale, width of a line, unit.
+// By kind: pixels of the longest arrow at the end of its scale, width of a line, unit, the forces
+// that are to scale, and their arrows [x, y, dx, dy] in pixels.
 const KINDS = {
-  point: { longest: 64, width: 3, unit: "N", arrows: atPoint },
-  mass: { longest: 64, width: 2.4, unit: "m/s\u00b2", arrows: atCentre },
-  joints: { longest: 50, width: 1.2, unit: "N", arrows: atJoints },
+  point: { longest: 64, width: 3, unit: "N", forces: whole, arrows: atPoint },
+  mass: { longest: 64, width: 2.4, unit: "m/s\u00b2", forces: weight, arrows: atCentre },
+  joints: { longest: 50, width: 1.2, unit: "N", forces: each, arrows: atJoints },
 };
 
 // Loads that are drawn of a state, whether they are zero by now or not.
@@ -32,39 +34,42 @@ export function most(loads, state, show) {
 export class Loads {
   #scales = Object.fromEntries(Object.keys(KINDS).map((kind) => [kind, new Scale()]));
 
-  get moving() {
-    return Object.values(this.#scales).some((scale) => scale.moving);
-  }
-
-  reset() {
-    for (const scale of Object.values(this.#scales)) scale.reset();
-  }
-
   // Draws what `show` names and the state has; rows of the legend.
   draw(context, camera, loads, state, points, show, now) {
     const rows = [];
     const seen = drawn(loads, state, show);
-    for (const [kind, { longest, width, unit, arrows: found }] of Object.entries(KINDS)) {
-      const scale = this.#scales[kind];
+    for (const [kind, { longest, width, unit, forces, arrows: found }] of Object.entries(KINDS)) {
       const those = seen.filter((load) => load.kind === kind);
-      const sizes = those.map(({ term }) => {
-        if (kind === "mass") return largest(weight(state));
-        return largest(kind === "point" ? whole(state.forces[term]) : state.forces[term]);
-      });
-      const limit = scale.follow(Math.max(0, ...sizes), now);
+      const sizes = those.map(({ term }) => largest(forces(state, term)));
+      const limit = this.#scales[kind].follow(Math.max(0, ...sizes), now);
       those.forEach((load, k) => {
         if (!(sizes[k] > 0)) return;
         const arrow = (x, y) => camera.direction(x, y).map((d) => (d * longest) / limit);
         const colour = load.colours[Number(dark())];
         arrows(context, found(state, points, arrow, load.term, camera), colour, width);
-        rows.push(row(load.label, colour, scale, longest, unit));
+        // An arrow of half the scale, which is a round number.
+        const text = `scale ${short(limit / 2, 3)} ${unit}`;
+        rows.push({ name: load.label, colour, length: longest / 2, text });
       });
     }
     return rows;
   }
 }
 
-const weight = (state) => [0, -state.point[3]];
+function weight(state) {
+  return [0, -state.point[3]];
+}
+
+function each(state, term) {
+  return state.forces[term];
+}
+
+// The sum of those on the joints.
+function whole(state, term) {
+  const sum = [0, 0];
+  state.forces[term].forEach((force, k) => (sum[k % 2] += force));
+  return sum;
+}
 
 // The size of the largest of some forces x0, y0, x1, ...
 function largest(forces) {
@@ -75,14 +80,7 @@ function largest(forces) {
   return size;
 }
 
-// Their sum.
-function whole(forces) {
-  const sum = [0, 0];
-  forces.forEach((force, k) => (sum[k % 2] += force));
-  return sum;
-}
-
-// Arrows [x, y, dx, dy] in pixels: one at the joint upon which the force acts, or between two, ...
+// One at the joint upon which the force acts, or between two, ...
 function atPoint(state, points, arrow, term) {
   const forces = state.forces[term];
   const place = [0, 0];
@@ -96,7 +94,7 @@ function atPoint(state, points, arrow, term) {
   }
   const beside = at ? at - 2 : 2;
   const [x, y] = place.map((sum) => sum / total);
-  return [atEnd([x, y], [points[beside], points[beside + 1]], arrow(...whole(forces)))];
+  return [atEnd([x, y], [points[beside], points[beside + 1]], arrow(...whole(state, term)))];
 }
 
 // ... one at the centre of gravity, ...
@@ -108,26 +106,12 @@ function atCentre(state, points, arrow, term, camera) {
 function atJoints(state, points, arrow, term) {
   const forces = state.forces[term];
   const end = points.length - 2;
-  const every = 2 * Math.ceil((APART * end) / 2 / Math.max(across(points), 1));
+  const [left, top, right, low] = size(points).box;
+  const across = Math.max(right - left + low - top, 1); // about the length of the rod in pixels
+  const every = 2 * Math.ceil((APART * end) / 2 / across);
   const list = [];
   for (let k = end; k >= 0; k -= every) {
     list.push([points[k], points[k + 1], ...arrow(forces[k], forces[k + 1])]);
   }
   return list;
-}
-
-// The sum of the sides of the box about the points: about the length of the rod in pixels.
-function across(points) {
-  const [xs, ys] = [0, 1].map((k) =>
-    points.filter((_, at) => at % 2 === k && Number.isFinite(points[at])),
-  );
-  return Math.max(...xs) - Math.min(...xs) + Math.max(...ys) - Math.min(...ys);
-}
-
-// An arrow of a round size, as long as one of that size is drawn, and not into its name.
-function row(name, colour, scale, longest, unit) {
-  let value = scale.value / 2;
-  while (value * longest > KEY * scale.shown) value /= 2; // a scale that moves may be far off
-  const length = (value * longest) / scale.shown;
-  return { name, colour, length, text: `scale ${short(value, 3)} ${unit}` };
 }

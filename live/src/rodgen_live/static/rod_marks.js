@@ -6,7 +6,6 @@ import { classes } from "./theme.js";
 
 const TURN = 2 * Math.PI;
 const [ROW, EDGE, NAME, LEAST_WIDE] = [18, 8, 60, 204]; // pixels of the legend; NAME: before names
-export const KEY = NAME - EDGE - 8; // pixels that an arrow there may have
 const VALUE = ", scale 0.00 m/s\u00b2"; // as wide as most
 const BESIDE = 14; // pixels from an end to its name
 const LYING = 0.4; // the sine of a link's angle, below which it lies
@@ -17,9 +16,9 @@ const MOST_NAMES = 8; // of bodies
 // The quartered circle.
 export function centre(context, x, y, colours) {
   const radius = 8;
+  Object.assign(context, { strokeStyle: colours.centre, lineWidth: 1.5 });
   context.fillStyle = colours.background;
   disc(context, x, y, radius);
-  context.fill();
   context.fillStyle = colours.centre;
   for (const begin of [0, Math.PI]) {
     context.beginPath();
@@ -27,15 +26,14 @@ export function centre(context, x, y, colours) {
     context.arc(x, y, radius, begin, begin + TURN / 4);
     context.fill();
   }
-  context.strokeStyle = colours.centre;
-  context.lineWidth = 1.5;
-  disc(context, x, y, radius);
-  context.stroke();
 }
 
+// Filled, and with an edge.
 function disc(context, x, y, radius) {
   context.beginPath();
   context.arc(x, y, radius, 0, TURN);
+  context.fill();
+  context.stroke();
 }
 
 // Both principal axes through (x, y); (dx, dy) is the direction of the first, in pixels.
@@ -55,8 +53,7 @@ export function axes(context, x, y, [dx, dy], colours) {
   }
   context.stroke();
   context.setLineDash([]);
-  context.textAlign = "center";
-  context.textBaseline = "middle";
+  Object.assign(context, { textAlign: "center", textBaseline: "middle" });
   context.fillText("1", x + c * 100, y + s * 100);
   context.fillText("2", x + s * 70, y - c * 70);
 }
@@ -112,12 +109,8 @@ export function bodies(context, points, list, colours) {
     const [dx, dy] = [bx - ax, by - ay];
     const place = [ax + along * dx + across * dy, ay + along * dy - across * dx];
     const radius = Math.max(LARGEST_BODY * size, 2);
-    context.lineWidth = 1.2;
-    context.fillStyle = colours.body;
-    context.strokeStyle = colours.edge;
+    Object.assign(context, { fillStyle: colours.body, strokeStyle: colours.edge, lineWidth: 1.2 });
     disc(context, ...place, radius);
-    context.fill();
-    context.stroke();
     context.fillStyle = colours.ink;
     // On the other side than the names of the ends.
     const side = beside([dx, dy]).map((part) => -part);
@@ -125,10 +118,14 @@ export function bodies(context, points, list, colours) {
   }
 }
 
-// What the ends are called, beside them: [[x, y], of the link's other end [x, y], name].
-export function ends(context, list, colours) {
+// What the ends are called, beside them; first: the name of the one that the rod begins with.
+export function ends(context, points, first, colours) {
   context.fillStyle = colours.faint;
-  for (const [[x, y], [bx, by], name] of list) {
+  const [x0, y0, x1, y1] = points;
+  for (const [name, x, y, bx, by] of [
+    [first, x0, y0, x1, y1],
+    ["tail", ...points.slice(-2), ...points.slice(-4, -2)],
+  ]) {
     put(context, name, [x, y], beside([x - bx, y - by]), BESIDE, colours);
   }
 }
@@ -168,18 +165,14 @@ export function legend(context, [, , wide, high], limit, rows, colours) {
   let y = (limit ? 48 : 4) + ROW / 2;
   for (const row of rows) {
     arrows(context, [[EDGE, y, row.length, 0]], row.colour);
-    context.fillStyle = colours.ink;
-    context.textAlign = "left";
-    context.textBaseline = "middle";
+    Object.assign(context, { fillStyle: colours.ink, textAlign: "left", textBaseline: "middle" });
     context.fillText(`${row.name}, ${row.text}`, NAME, y);
     y += ROW;
   }
 }
 
 function colourBar(context, left, wide, limit, colours) {
-  context.fillStyle = colours.ink;
-  context.textAlign = "left";
-  context.textBaseline = "top";
+  Object.assign(context, { fillStyle: colours.ink, textAlign: "left", textBaseline: "top" });
   context.fillText("bending moment [N m], \u221a scale", left, 6);
   const table = classes(colours.moments, STEPS);
   const cell = wide / STEPS;

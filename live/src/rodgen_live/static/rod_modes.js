@@ -1,5 +1,7 @@
 // A mode of the rod over its picture, swinging about the joints as they are.
 
+import { line } from "./rod_links.js";
+
 const SHARE = 0.1; // of the length: the largest displacement
 const BEAT = 1.4; // seconds of a period, whatever the frequency
 const still = matchMedia("(prefers-reduced-motion: reduce)");
@@ -15,19 +17,13 @@ export function swing(context, camera, joints, mode, far, now, colours) {
   if (mode?.re.length !== joints.length) return false; // none, or that of the rod before
   const phase = still.matches ? 0 : (2 * Math.PI * now) / (1000 * BEAT);
   const points = new Float64Array(joints.length);
-  context.strokeStyle = colours.centre;
-  context.lineJoin = context.lineCap = "round";
   for (const [turn, width, alpha] of [
     [Math.PI, 2, 0.35],
     [0, 3, 0.9],
   ]) {
     camera.project(displaced(joints, mode, SHARE * far, phase + turn), points);
     context.globalAlpha = alpha;
-    context.lineWidth = width;
-    context.beginPath();
-    context.moveTo(points[0], points[1]);
-    for (let at = 2; at < points.length; at += 2) context.lineTo(points[at], points[at + 1]);
-    context.stroke();
+    line(context, points, colours.centre, width);
   }
   context.globalAlpha = 1;
   return !still.matches;

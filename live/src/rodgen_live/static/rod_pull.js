@@ -8,20 +8,12 @@ const END = 5; // pixels, the radius of the far end
 const EDGE = 10; // pixels of the picture, in which no force is written
 const NEAR = 14; // pixels from it that still take hold of it
 
-// The point of a link at a share of it, in metres from the origin of a state.
-function point({ joints }, link, share) {
-  return [0, 1].map((k) => {
-    const at = 2 * link + k;
-    return joints[at] + share * (joints[at + 2] - joints[at]);
-  });
-}
-
 // Where the far end of the pull of a state is drawn, in pixels; displacements are drawn `times` as
 // large.
 function drawn(camera, state, points, times) {
   const [link, share, x, y] = state.pull;
   const [px, py] = along(points, link, share);
-  const [fromX, fromY] = point(state, link, share);
+  const [fromX, fromY] = along(state.joints, link, share);
   const [dx, dy] = camera.direction(x - fromX, y - fromY);
   const scale = camera.scale * times;
   return [px + scale * dx, py + scale * dy];
@@ -34,7 +26,7 @@ const has = ({ pull, joints }) => pull?.length && 2 * pull[0] + 4 <= joints.leng
 export function held({ link, share, x, y }, camera, state, points, times) {
   const [px, py] = along(points, link, share);
   const [dx, dy] = camera.metres(x - px, y - py);
-  const [fromX, fromY] = point(state, link, share);
+  const [fromX, fromY] = along(state.joints, link, share);
   return [state.origin[0] + fromX + dx / times, state.origin[1] + fromY + dy / times];
 }
 
@@ -63,9 +55,8 @@ export function pull(context, camera, state, points, hand, times, colours) {
   if (hand) context.stroke();
   else context.fill();
   if (!has(state)) return;
-  context.textAlign = to[0] < from[0] ? "right" : "left";
-  context.textBaseline = "middle";
-  context.fillStyle = colours.ink;
+  const textAlign = to[0] < from[0] ? "right" : "left";
+  Object.assign(context, { textAlign, textBaseline: "middle", fillStyle: colours.ink });
   const force = Math.hypot(state.pull[4], state.pull[5]);
   const beside = to[0] < from[0] ? -2 * END : 2 * END;
   const [x, y] = [camera.width, camera.height].map((size, k) =>

@@ -8,7 +8,6 @@ export class Rows {
   total = 0; // rows that have come; the last `length` of them are kept
   length = 0;
   #begin = 0; // where the first of them stands
-  #room = FIRST;
 
   constructor(columns) {
     this.columns = columns;
@@ -23,37 +22,28 @@ export class Rows {
   append(values) {
     const { columns } = this;
     const rows = Math.floor(values.length / columns);
-    const from = Math.max(0, rows - MOST);
-    this.#drop(Math.max(0, this.length + rows - from - MOST));
-    this.#reserve(rows - from);
-    const at = this.#begin + this.length - from;
+    const fresh = Math.min(rows, MOST);
+    const kept = Math.min(this.length, MOST - fresh);
+    this.#begin += this.length - kept;
+    if (this.#begin + kept + fresh > this.data[0].length) this.#move(kept, fresh);
+    const at = this.#begin + kept;
+    const from = (rows - fresh) * columns;
     this.data.forEach((column, k) => {
-      for (let row = from; row < rows; row++) column[at + row] = values[row * columns + k];
+      for (let row = 0; row < fresh; row++) column[at + row] = values[from + row * columns + k];
     });
-    this.length += rows - from;
+    this.length = kept + fresh;
     this.total += rows;
   }
 
-  #drop(rows) {
-    const gone = Math.min(rows, this.length);
-    this.#begin += gone;
-    this.length -= gone;
-  }
-
-  // Room for so many rows more, in larger columns or by moving those kept to the front.
-  #reserve(rows) {
-    const [needed, end] = [this.length + rows, this.#begin + this.length];
-    if (end + rows <= this.#room) return;
-    if (SPARE * needed > this.#room) {
-      this.#room = Math.min(Math.max(2 * this.#room, needed), SPARE * MOST);
-      this.data = this.data.map((column) => {
-        const larger = new Float64Array(this.#room);
-        larger.set(column.subarray(this.#begin, end));
-        return larger;
-      });
-    } else {
-      for (const column of this.data) column.copyWithin(0, this.#begin, end);
-    }
+  // What is kept goes to the front of columns with room for so many rows more.
+  #move(kept, fresh) {
+    const room = Math.min(2 * (kept + fresh), SPARE * MOST);
+    const from = this.#begin;
+    this.data = this.data.map((column) => {
+      const larger = new Float64Array(room);
+      larger.set(column.subarray(from, from + kept));
+      return larger;
+    });
     this.#begin = 0;
   }
 
@@ -83,6 +73,12 @@ export function lowest(values, value) {
     else high = middle;
   }
   return low;
+}
+
+// The place of the value in ascending ones that is nearest to one.
+export function nearest(values, value) {
+  const at = Math.min(lowest(values, value), values.length - 1);
+  return at && value - values[at - 1] < values[at] - value ? at - 1 : at;
 }
 
 // Values, each without its whole turns.

@@ -99,45 +99,19 @@ export function base(low, high, step) {
   return Math.round(low / coarse) * coarse;
 }
 
-// Time that passes while something is drawn, in milliseconds; a pause counts as a frame.
-class Clock {
-  last = null;
-
-  passed(now) {
-    const passed = Math.min(now - (this.last ?? now), 100);
-    this.last = now;
-    return passed;
-  }
-}
-
-// A round number that the largest value seen stays below; `shown` moves to it smoothly.
+// A round number that the largest value seen stays below.
 export class Scale {
-  clock = new Clock();
-
-  constructor() {
-    this.reset();
-  }
-
-  reset() {
-    this.value = this.shown = this.peak = this.quiet = 0;
-  }
+  #value = 0;
+  #peak = 0; // since it was not too large, from a time on, in milliseconds
+  #since = 0;
 
   follow(largest, now) {
-    if (!Number.isFinite(largest)) return this.shown;
-    const passed = this.clock.passed(now);
-    this.peak = Math.max(this.peak, largest);
-    this.quiet += passed;
-    if (largest > 0.35 * this.value) this.quiet = this.peak = 0;
-    if (largest > this.value) this.value = end(largest);
-    else if (this.quiet > PATIENCE && this.peak > 0) this.value = end(this.peak);
-    if (this.shown === 0) this.shown = this.value;
-    this.shown += (this.value - this.shown) * (1 - Math.exp(-passed / 120));
-    if (Math.abs(this.value - this.shown) < 0.01 * this.value) this.shown = this.value;
-    return this.shown;
-  }
-
-  get moving() {
-    return this.shown !== this.value;
+    if (!Number.isFinite(largest)) return this.#value;
+    this.#peak = Math.max(this.#peak, largest);
+    if (largest > 0.35 * this.#value) [this.#since, this.#peak] = [now, 0];
+    if (largest > this.#value) this.#value = end(largest);
+    else if (now - this.#since > PATIENCE && this.#peak > 0) this.#value = end(this.#peak);
+    return this.#value;
   }
 }
 
@@ -161,19 +135,13 @@ export class Written {
 const constant = (low, high) =>
   high - low <= ROUNDING * Math.max(Math.abs(low), Math.abs(high));
 
-// A range of round ends about the data, of some size at least: wider at once, narrower once the data have left more than
-// a third of it empty for a while.
+// A range of round ends about the data, of some size at least: wider at once, narrower once the data
+// have left more than a third of it empty for a while.
 export class Range {
-  clock = new Clock();
-
   constructor(least = 0) {
     this.least = least;
-    this.reset();
-  }
-
-  reset() {
     this.low = this.high = this.step = NaN;
-    this.quiet = 0;
+    this.since = NaN; // when they were not too wide, in milliseconds
     this.constant = false; // whether the data were, when the ends were chosen
   }
 
@@ -183,11 +151,12 @@ export class Range {
 
   follow(low, high, now) {
     if (!(low <= high)) return;
-    this.quiet += this.clock.passed(now);
     const inside = this.low <= low && high <= this.high;
-    if (high - low > 0.6 * (this.high - this.low) - this.step) this.quiet = 0;
+    if (high - low > 0.6 * (this.high - this.low) - this.step) this.since = now;
     const moves = this.constant && !constant(low, high);
-    if (!inside || moves || this.quiet > PATIENCE) this.#take(low, high);
+    if (inside && !moves && !(now - this.since > PATIENCE)) return;
+    this.#take(low, high);
+    this.since = now;
   }
 
   #take(low, high) {
@@ -200,6 +169,5 @@ export class Range {
     this.step = above(half / 5);
     this.low = Math.floor((middle - half) / this.step + 1e-9) * this.step;
     this.high = Math.ceil((middle + half) / this.step - 1e-9) * this.step;
-    this.quiet = 0;
   }
 }

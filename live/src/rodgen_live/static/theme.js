@@ -20,26 +20,18 @@ export function theme() {
 }
 
 const channels = (colour) => [1, 3, 5].map((at) => parseInt(colour.slice(at, at + 2), 16));
-
-// The colour at `share` (0 to 1) between stops that are evenly spaced.
-export function blend(stops, share) {
-  const place = Math.min(Math.max(share, 0), 1) * (stops.length - 1);
-  const at = Math.min(Math.floor(place), stops.length - 2);
-  const [from, to] = [channels(stops[at]), channels(stops[at + 1])];
-  const mixed = from.map((c, k) => Math.round(c + (to[k] - c) * (place - at)));
-  return `rgb(${mixed.join(",")})`;
-}
-
 const tables = new Map();
 
-// `count` colours along stops; made once.
+// `count` colours along stops that are evenly spaced; made once, as numbers: the browser would mix
+// them itself, but anew for every stroke.
 export function classes(stops, count) {
   const key = `${stops.join()}/${count}`;
-  if (!tables.has(key)) {
-    tables.set(
-      key,
-      Array.from({ length: count }, (_, k) => blend(stops, k / (count - 1))),
-    );
-  }
+  const colour = (_, k) => {
+    const place = (k / (count - 1)) * (stops.length - 1);
+    const at = Math.min(Math.floor(place), stops.length - 2);
+    const [from, to] = [channels(stops[at]), channels(stops[at + 1])];
+    return `rgb(${from.map((c, j) => Math.round(c + (to[j] - c) * (place - at))).join(",")})`;
+  };
+  if (!tables.has(key)) tables.set(key, Array.from({ length: count }, colour));
   return tables.get(key);
 }

@@ -13,126 +13,73 @@ const [LINE, NUMBERS] = [12, 30]; // pixels from the top: the line, the times be
 const APART = 70; // pixels from one of these to the next, at least
 const PAGE = 0.1; // of the line, by the keys for a page
 
-// From one end to the other and again, by the clock. Ends that are not chosen are those of the line.
-class Loop {
-  a = null;
-  b = null;
-  playing = false;
-  speed = 1;
-  #before = null;
-  #t = 0;
-
-  get from() {
-    return this.a ?? hub.past.from;
-  }
-
-  get to() {
-    return this.b ?? hub.past.to;
-  }
-
-  // An end that is beyond the other moves that out of its way; one that is chosen is let go.
-  choose(end, other, t) {
-    this[end] = this[end] === null ? t : null;
-    if (this.a !== null && this.b !== null && this.a >= this.b) this[other] = null;
-  }
-
-  play(playing) {
-    this.playing = playing;
-    this.#before = null;
-    this.#t = hub.past.place;
-  }
-
-  // The time to show by now.
-  next(now) {
-    const passed = this.#before === null ? 0 : (now - this.#before) / 1000;
-    this.#before = now;
-    this.#t += this.speed * passed;
-    if (!(this.#t >= this.from && this.#t <= this.to)) this.#t = this.from;
-    return this.#t;
-  }
-}
-
 export default {
   template: `<div class="rodgen-line" role="group" aria-label="Time line"></div>`,
   props: { speed: Number, recorded: Boolean }, // recorded: no other run can begin
   mounted() {
-    this.loop = new Loop();
-    this.loop.speed = this.speed;
+    this.loop = { a: null, b: null }; // its ends, where they are chosen, else those of the line [s]
+    this.playing = false;
     this.build();
-    this.painter = { paint: (now, fresh, fully) => this.paint(now, fresh, fully) };
-    hub.painters.add(this.painter);
+    hub.painters.add(this);
     this.sizes = new ResizeObserver(() => this.draw());
     this.sizes.observe(this.track);
   },
   beforeUnmount() {
     this.sizes.disconnect();
-    hub.painters.delete(this.painter);
-  },
-  watch: {
-    speed(speed) {
-      this.loop.speed = speed;
-    },
+    hub.painters.delete(this);
   },
   methods: {
     build() {
-      this.track = make("canvas", {
-        role: "slider",
-        tabindex: "0",
-        "aria-label": "Time that is shown",
-        "aria-valuemin": "0",
-        "aria-valuemax": "0",
-        "aria-valuenow": "0",
-      });
+      const of = { role: "slider", tabindex: "0", "aria-label": "Time that is shown" };
+      this.track = make("canvas", of);
       listen(this.track, {
         pointerdown: (event) => this.press(event),
         pointermove: (event) => this.move(event),
         keydown: (event) => this.key(event),
       });
-      this.go = button("repeat", "", () => this.play(!this.loop.playing));
+      this.go = button("repeat", "", () => this.play(!this.playing));
       this.now = button("last_page", "To the present (End)", () => this.look(null));
-      this.ends = { a: this.letter("a", "from"), b: this.letter("b", "up to") };
+      this.ends = {
+        a: button("A", "Loop from here (a)", () => this.choose("a", "b")),
+        b: button("B", "Loop up to here (b)", () => this.choose("b", "a")),
+      };
       const beside = (...buttons) => make("div", { class: "rodgen-buttons" }, ...buttons);
       const back = button("chevron_left", "A sample back (left arrow)", () => this.step(-1));
       const on = button("chevron_right", "A sample on (right arrow)", () => this.step(1));
-      this.kept = button("filter_none", "Keep each run, to compare with the next", () =>
-        hub.past.keep(!hub.past.keeps),
-      );
-      const branch = button("call_split", "Another run from here; this one is kept", () =>
-        this.branch(),
-      );
+      const keep = "Keep each run, to compare with the next";
+      this.kept = button("filter_none", keep, () => hub.send({ keep: !hub.past.keeps }));
+      const another = "Another run from here; this one is kept";
+      const branch = button("call_split", another, () => this.send({ branch: null }));
       const begins = this.recorded ? [] : [this.kept, branch];
       const right = beside(this.ends.a, this.ends.b, this.now, ...begins);
       this.$el.append(beside(back, this.go, on), this.track, right);
       this.play(false);
     },
-    letter(end, words) {
-      const label = `Loop ${words} here (${end})`;
-      const onclick = () => this.choose(end);
-      const of = { type: "button", "aria-label": label, title: label, onclick };
-      return make("button", of, end.toUpperCase());
-    },
     play(playing) {
-      this.loop.play(playing);
+      this.playing = playing;
+      this.before = null; // when it was drawn last, in milliseconds
+      this.t = hub.past.place; // the time to show, which may lie between samples
       const label = playing ? "Stop playing" : "Play again what was";
       relabel(this.go, playing ? "stop" : "repeat", label);
-      if (playing && !hub.past.back) hub.past.look(this.loop.from);
+      if (playing && !hub.past.back) hub.past.look(this.loop.a ?? hub.past.from);
       hub.repaint();
     },
     look(t) {
-      if (this.loop.playing) this.play(false);
+      this.play(false);
       hub.past.look(t);
-      hub.repaint();
     },
     step(by) {
-      if (this.loop.playing) this.play(false);
-      hub.past.step(by);
+      this.send({ step: by });
     },
-    branch() {
-      if (this.loop.playing) this.play(false);
-      hub.past.branch();
+    send(what) {
+      this.play(false);
+      hub.past.tell(what);
     },
-    choose(end) {
-      this.loop.choose(end, end === "a" ? "b" : "a", hub.past.place);
+    // An end that is beyond the other moves that out of its way; one that is chosen is let go.
+    choose(end, other) {
+      this.loop[end] = this.loop[end] === null ? hub.past.place : null;
+      const { a, b } = this.loop;
+      if (a !== null && b !== null && a >= b) this.loop[other] = null;
       hub.repaint();
     },
     // Seconds at a place in the track.
@@ -142,7 +89,9 @@ export default {
       return from + Math.min(Math.max(share, 0), 1) * (to - from);
     },
     place(t) {
-      return EDGE + hub.past.share(t) * (this.track.clientWidth - 2 * EDGE);
+      const { from, to } = hub.past;
+      const share = to > from ? Math.min(Math.max((t - from) / (to - from), 0), 1) : 1;
+      return EDGE + share * (this.track.clientWidth - 2 * EDGE);
     },
     press(event) {
       if (event.button !== 0) return;
@@ -173,19 +122,24 @@ export default {
         PageUp: () => this.look(place + page < to ? place + page : null),
         Home: () => this.look(from),
         End: () => this.look(null),
-        a: () => this.choose("a"),
-        b: () => this.choose("b"),
+        a: () => this.choose("a", "b"),
+        b: () => this.choose("b", "a"),
       };
       act(event, moves);
     },
-    // True while it plays.
+    // From one end of the loop to the other and again, by the clock. True while it plays.
     paint(now, fresh, fully) {
-      if (this.loop.playing) {
-        if (hub.past.back) hub.past.look(this.loop.next(now));
-        else this.play(false);
+      if (this.playing && !hub.past.back) this.play(false);
+      if (this.playing) {
+        const { a, b } = this.loop;
+        const [from, to] = [a ?? hub.past.from, b ?? hub.past.to];
+        this.t += (this.speed * (now - (this.before ?? now))) / 1000;
+        this.before = now;
+        if (!(this.t >= from && this.t <= to)) this.t = from;
+        hub.past.look(this.t);
       }
-      if (fresh || fully || this.loop.playing) this.draw();
-      return this.loop.playing;
+      if (fresh || fully || this.playing) this.draw();
+      return this.playing;
     },
     draw() {
       const [wide, high] = [this.track.clientWidth, this.track.clientHeight];
@@ -209,8 +163,8 @@ export default {
         context.fillRect(left, y - height / 2, right - left, height);
       };
       bar(past.from, past.to, 4, colours.axis);
-      const chosen = this.loop.a !== null || this.loop.b !== null;
-      if (chosen) bar(this.loop.from, this.loop.to, 10, colours.axis);
+      const { a, b } = this.loop;
+      if (a !== b) bar(a ?? past.from, b ?? past.to, 10, colours.axis); // one is chosen
       bar(past.from, past.place, 4, colours.faint);
       context.fillStyle = colours.kick;
       for (const [t] of past.marks) context.fillRect(this.place(t) - 1, y - 8, 2, 16);

@@ -1,5 +1,4 @@
-"""Undo and redo for a run: the systems that it had before and after its present one, and kicks and
-pulls, which can be undone alone."""
+"""History of a run: marks of what was done to it, and when; undo and redo."""
 
 from __future__ import annotations
 
@@ -7,9 +6,38 @@ from typing import NamedTuple
 
 from rodgen.scene import Scene
 from rodgen.system import System
-from rodgen_live.run.change_marks import ChangeMark
 
-MOST = 100
+MOST_MARKS, MOST_STEPS = 200, 100
+
+
+class ChangeMark(NamedTuple):
+    """A change or a kick, in words, and when it acted [s]."""
+
+    t: float
+    what: str
+
+    def __str__(self) -> str:
+        return f"{self.what} at t = {self.t:.6g} s"
+
+
+class ChangeMarks:
+    """The changes and kicks since the start, in order; of too many, the first ones and the last."""
+
+    def __init__(self) -> None:
+        self.every: tuple[ChangeMark, ...] = ()
+
+    def note(self, t: float, what: str) -> None:
+        """Add a change ("name = value") or a kick; changes of one name in a row count as one."""
+        name, is_change, _ = what.partition(" = ")
+        kept = self.every
+        if is_change and kept and kept[-1].what.startswith(f"{name} = "):
+            kept = kept[:-1]
+        self.every = (*kept[: MOST_MARKS - 1], ChangeMark(t, what))
+
+    def drop_from(self, mark: ChangeMark) -> None:
+        """Drop a mark, and those after it."""
+        kept = self.every[: self.every.index(mark)] if mark in self.every else self.every
+        self.every = tuple(one for one in kept if one.t <= mark.t)
 
 
 class UndoState(NamedTuple):
@@ -42,7 +70,7 @@ class Undo:
         if is_change and self._last == name and self._back:
             self._back[-1] = self._back[-1]._replace(what=what)
         else:
-            self._back = [*self._back[1 - MOST :], UndoState(before, self.file, anew, what)]
+            self._back = [*self._back[1 - MOST_STEPS :], UndoState(before, self.file, anew, what)]
         self._last = name if is_change else ""
 
     def note_mark(self, system: System, mark: ChangeMark) -> None:
