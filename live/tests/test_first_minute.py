@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -63,6 +64,18 @@ def test_file_that_is_opened_is_loaded_again_and_no_change_is_lost_to_a_text(vie
     view.shows("mass", 6.0)
     view.page.get_by_role("button", name=re.compile(r"^Load .* \(opened\) again")).click()
     view.shows("mass", 4.0)
+
+
+def test_file_that_has_gone_is_refused_and_the_run_stays(
+    serve: Any, blank: View, tmp_path: Path
+) -> None:
+    file = tmp_path / "dart.toml"
+    file.write_text(SCENE.to_toml(), encoding="utf-8")
+    view = blank.open(serve(file).address).tab("Parameters")
+    file.unlink()
+    view.page.get_by_role("button", name="Load dart again").click()
+    expect(view.page.get_by_role("alert").filter(has_text="dart")).to_be_visible()
+    view.shows("mass", SCENE.rod.mass)
 
 
 def test_first_job_of_a_newcomer_takes_four_actions(serve: Any, blank: View) -> None:

@@ -14,9 +14,9 @@ from nicegui import ui
 
 from rodgen.errors import InputError
 from rodgen.scene import Scene, Structure
+from rodgen_live.run.worker_process import end_process
 
 MOST_LINKS = 2000  # of a live run: beyond, nothing of it is live
-ENDING = 2.0  # seconds
 PLACES = 2  # on a server at a time: the runs need processors too
 PATIENCE = 0.3  # seconds without a word
 
@@ -69,7 +69,7 @@ async def _build(structure: Structure, stage: Stage) -> None:
         last = await asyncio.shield(watching)
     finally:
         if process.returncode is None:
-            await asyncio.to_thread(_end, process)
+            await asyncio.to_thread(end_process, process)  # and with it its compiler
     if process.returncode:
         why = last or f"the process ended with {process.returncode}"
         raise InputError("module", f"n = {structure.n_links}", f"one that can be made ({why})")
@@ -87,16 +87,6 @@ def _watch(process: subprocess.Popen[bytes], structure: Structure, say: Stage) -
         for read in process.stdout:
             say(line := read.decode(errors="replace").strip())
     return line
-
-
-def _end(process: subprocess.Popen[bytes]) -> None:
-    """End a process, and with it its compiler."""
-    process.terminate()
-    try:
-        process.wait(ENDING)
-    except subprocess.TimeoutExpired:
-        process.kill()
-        process.wait()
 
 
 class BuildProgress:

@@ -27,6 +27,7 @@ LOST = ". Reset it: from a state this large, no other value leads on."
 AROUND = "in a loop"  # the state of a run that begins again at the end of its span
 OTHER = ""  # in the list of scenes: what is shown is none of the folder's; no file is called so
 ENDING = ".toml"
+OPENED = " (opened)"  # ends the name of a scene whose file was opened in the browser
 AGAIN = "restore_page"
 UNDO, REDO = ("Undo", "Ctrl+z"), ("Redo", "Ctrl+Shift+z")
 SKETCH = "/live/sketch/"  # before the name of a scene of the folder: the address of its picture
@@ -252,23 +253,26 @@ class Toolbar:
     def _load(self, name: str) -> None:
         """Load the scene of a file; if that fails, the present one stays, in the list too."""
         run, files = self.page.run, self.page.run.files or {}
-        kept = name not in self._folder.names()  # of a file that was opened in the browser
-        text = run.texts[files[name]] if kept else self._folder.text(name)
-        self.page.start_task(self._run_file(text, lambda _: name))
+
+        def read() -> str:
+            opened = name in files and name.endswith(OPENED)
+            return run.texts[files[name]] if opened else self._folder.text(name)
+
+        self.page.start_task(self._run_file(read, lambda _: name))
 
     async def _open(self, text: str) -> None:
         """Run the scene of a file that was opened in the browser."""
         try:
-            await self._run_file(text, lambda scene: f"{scene.name} (opened)")
+            await self._run_file(lambda: text, lambda scene: scene.name + OPENED)
         except InputError as error:
             line = refused_line(text, error)
             self.page.notify(f"Line {line}: {error}" if line else str(error))
 
-    async def _run_file(self, text: str, name: Callable[[Scene], str]) -> None:
-        """Run the scene of a file, which can be loaded again by its name."""
+    async def _run_file(self, read: Callable[[], str], name: Callable[[Scene], str]) -> None:
+        """Run the scene of a file, which can be loaded again by its name. Raises InputError."""
         run = self.page.run
         try:
-            scene = await self.page.run_text(text)
+            scene = await self.page.run_text(read())
             before = {one: of for one, of in (run.files or {}).items() if one != name(scene)}
             run.files = {**before, name(scene): scene}
         finally:

@@ -50,6 +50,16 @@ class PendingRequest:
         self.aside.cancel(self.number)
 
 
+def end_process(process: subprocess.Popen[bytes]) -> None:
+    """End a process, by force if it takes its time."""
+    process.terminate()
+    try:
+        process.wait(ENDING)
+    except subprocess.TimeoutExpired:
+        process.kill()
+        process.wait()
+
+
 class WorkerProcess:
     """The worker process, started with the first request, and again where it has died.
 
@@ -83,12 +93,7 @@ class WorkerProcess:
             process, self._process = self._process, None
             self._told.clear()
         if process is not None:
-            process.terminate()
-            try:
-                process.wait(ENDING)
-            except subprocess.TimeoutExpired:
-                process.kill()
-                process.wait()
+            end_process(process)
 
     def _send(self, request: Mapping[str, Any]) -> None:
         if self._process is None:
