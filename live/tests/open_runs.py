@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 
 import rodgen
+from rodgen.arrays import Array
 from rodgen.scene import Scene
-from rodgen_live.open_run import Live, Samples
+from rodgen_live.open_run import Live
+from rodgen_live.sample_store import Chunk
 
 FRAME = 0.0137  # seconds between two times asked for, which are no samples
 
@@ -16,10 +20,16 @@ def live_of(scene: Scene, target: str = "c", every: float = 0.01) -> Live:
     return Live(scene, rodgen.build(scene, target), every)
 
 
-def gone_on(live: Live, to: float, frame: float = FRAME) -> Samples:
+def parts(chunk: Chunk) -> tuple[Array, Array, Array]:
+    """Times, states and works of samples."""
+    return chunk.t, chunk.y, chunk.work
+
+
+def gone_on(live: Live, to: float, frame: float = FRAME) -> Chunk:
     """All samples up to a time, asked for frame by frame."""
-    parts, at = [], live.here().t[0]
+    found, at = [], live.here().t[0]
     while at < to:
         at = min(at + frame, to)
-        parts.append(live.advance(at, 60.0))
-    return Samples(*(np.concatenate(part) for part in zip(*parts, strict=True)))
+        found.append(live.advance(at, 60.0))
+    t, y, work = map(np.concatenate, zip(*map(parts, found), strict=True))
+    return replace(found[-1], t=t, y=y, work=work)

@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from live.tests.open_runs import live_of
+from live.tests.open_runs import live_of, parts
 from rodgen.errors import InputError
 from rodgen.model.terms import THESIS_TERMS
 from rodgen.scene import Scene
@@ -78,7 +78,7 @@ def test_motion_after_changes_is_exact(how: int, frames: tuple[float, int]) -> N
             expected = swung(EI, samples.t - at, phi, omega)
             np.testing.assert_allclose(samples.y.T, expected, rtol=0, atol=1e-7)
         live.change(scenes[(k + 1) % 3])
-        (now,), y, _ = live.here()
+        (now,), y, _ = parts(live.here())
         assert abs(now - to) <= 0.01
         phi, omega = swung(EI, now - at, phi, omega)
         np.testing.assert_allclose(y[0], (phi, omega), rtol=0, atol=1e-7)
@@ -163,14 +163,14 @@ def test_what_is_refused_leaves_the_run_as_it_was(make_scene: Make) -> None:
         with pytest.raises(InputError, match=r"^every = "):
             live.sample_every(every)
     live.change(scene.replace({"initial.phi": 1.0}))  # of which a restart alone knows
-    for a, b in zip(live.advance(1.3, 60.0), twin.advance(1.3, 60.0), strict=True):
+    for a, b in zip(parts(live.advance(1.3, 60.0)), parts(twin.advance(1.3, 60.0)), strict=True):
         np.testing.assert_array_equal(a, b)
     assert live.given == 0.0
     live.restart()
     np.testing.assert_array_equal(live.y[2:7], 1.0)
     live.kick(0, 0.0, (1.0, 1.0))
     live.restart(scene)
-    for a, b in zip(live.advance(0.2, 60.0), first, strict=True):
+    for a, b in zip(parts(live.advance(0.2, 60.0)), parts(first), strict=True):
         np.testing.assert_array_equal(a, b)
 
 

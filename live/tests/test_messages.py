@@ -36,16 +36,15 @@ class Stepped:
         self.begin()
 
     def begin(self) -> None:
-        live = self.live
-        live.restart()
-        self.store = SampleStore(live.states, live.works, live.energy_start)
-        self.store.set_parameters(live.p, 0.0)
+        self.live.restart()
+        self.store = SampleStore()
         self.page.resend(self)
         self.to(0.0)
 
     def to(self, t: float) -> None:
         """Samples up to a time."""
-        chunk = self.store.add(self.live.advance(t, 60.0))
+        chunk = self.live.advance(t, 60.0)
+        self.store.add(chunk)
         self.page_sample = chunk.last()
         self.page.add_samples(self, chunk)
 

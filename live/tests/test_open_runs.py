@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import itertools
-import pickle
 from types import SimpleNamespace
 from typing import Any
 
@@ -11,7 +10,7 @@ import numpy as np
 import pytest
 
 import rodgen
-from live.tests.open_runs import gone_on, live_of
+from live.tests.open_runs import gone_on, live_of, parts
 from rodgen.loading.generated_module import call_module
 from rodgen.scene import Scene
 from rodgen_live import live_steps
@@ -55,7 +54,7 @@ def test_steps_are_those_of_a_run_with_an_end(method: str, target: str) -> None:
         pytest.importorskip("sksundae")
     scene = Scene.from_dict(MISSILE).with_integrate(method=method, rtol=1e-6, span=[0.0, 0.5])
     live = live_of(scene, target)
-    t, y, work = gone_on(live, 0.5)
+    t, y, work = parts(gone_on(live, 0.5))
     sol = rodgen.simulate(scene, model=live.model)
     np.testing.assert_array_equal(t, sol.t)
     np.testing.assert_array_equal(y, sol.y)
@@ -77,9 +76,9 @@ def test_one_step_is_one(method: str, target: str) -> None:
     live.advance(0.25, 60.0)
     before, steps = live.t, live.counts.nsteps
     for k in range(1, 40):
-        t, y, work = live.one_step()
+        t, y, work = parts(live.one_step())
         assert live.counts.nsteps == steps + k
-        assert (t.shape, y.shape, work.shape) == ((1,), (1, live.states), (1, len(live.works)))
+        assert (t.shape, y.shape, work.shape) == ((1,), (1, len(live.y)), (1, len(live.works)))
         assert t[0] == live.t > before
         np.testing.assert_array_equal(y[0], live.y)
         before = live.t
@@ -94,7 +93,7 @@ def test_works_of_single_steps_are_those_of_the_run() -> None:
     scene = Scene.from_dict(MISSILE).with_integrate(method="rk4", step=0.01)
     live = live_of(scene)
     for _ in range(50):
-        t, y, work = live.one_step()
+        t, y, work = parts(live.one_step())
     sol = rodgen.simulate(scene, model=live.model)
     assert t[0] == sol.t[50]
     np.testing.assert_array_equal(y[0], sol.y[50])
@@ -153,7 +152,7 @@ def test_switched_load_is_stepped_onto(span: float, target: str) -> None:
     """Along a straight bar of 3 kg: 9 N for a second, then -3 N; parabolas, which every method of
     order 2 has to rounding, if no step reaches across the switch, be it at the border of a span."""
     scene = tip({"x": "9 if t <= 1 else -3"}, span, method="dop853", rtol=1e-6)
-    t, y, work = gone_on(live_of(scene, target, 0.03), 3.0)
+    t, y, work = parts(gone_on(live_of(scene, target, 0.03), 3.0))
     after = np.maximum(t - 1.0, 0.0)
     x = np.where(t <= 1.0, 1.5 * t**2, 1.5 + 3.0 * after - 0.5 * after**2)
     v = np.where(t <= 1.0, 3.0 * t, 3.0 - after)
@@ -174,7 +173,7 @@ def test_pole_is_told_as_a_run_with_an_end_tells_it(span: float) -> None:
         rodgen.simulate(scene, model=live.model, span=[0.0, 4.0])
     assert "loads.tip.x = '1/(2.5 - t)'" in str(caught.value)
     assert str(caught.value).partition(": ")[2] == str(expected.value).partition(": ")[2]
-    assert caught.value.t == pytest.approx(2.5)
+    assert live.t == pytest.approx(2.5)
     assert len(caught.value.samples.t) == 10
 
 
@@ -196,7 +195,6 @@ def test_blow_up_is_told_and_can_be_mended(target: str, method: str) -> None:
     with pytest.raises(rodgen.RunError) as expected, pytest.warns(rodgen.DoubtWarning) as warned:
         rodgen.simulate(scene, model=live.model)
     assert str(caught.value) == str(expected.value)
-    assert caught.value.t == live.t
     np.testing.assert_array_equal(caught.value.samples.y, expected.value.solution.y)
     assert live.warnings() == [str(warning.message) for warning in warned]
     steps = live.counts.nsteps
@@ -219,7 +217,7 @@ def test_failed_run_goes_on_where_it_is() -> None:
     with pytest.raises(LiveError) as caught:
         live.advance(1.0, 60.0)
     samples = caught.value.samples
-    assert 0.01 < samples.t[-1] <= live.t == caught.value.t < 1.0
+    assert 0.01 < samples.t[-1] <= live.t < 1.0
     mended = scene.with_integrate(method="dop853", rtol=1e-9, atol=1e-10)
     live.change(mended)
     assert live.settings.method == "dop853"
@@ -262,8 +260,3 @@ def test_jumps_of_masses_are_accounted_for() -> None:
     energy = sum(call_module(live.model, "energy", samples.t, samples.y, live.p))
     balance = energy - live.energy_start - samples.work.sum(axis=1)
     np.testing.assert_allclose(balance, 0.0, atol=1e-7)
-
-
-def test_the_error_of_a_run_survives_a_pickle() -> None:
-    error = pickle.loads(pickle.dumps(LiveError("stopped", 1.0, None)))
-    assert (str(error), error.t) == ("stopped", 1.0)

@@ -175,7 +175,7 @@ def test_rod_is_pulled_by_the_pointer_and_kicked_by_the_keyboard(view: View, run
     assert (link, share) == (2, pytest.approx(0.5, abs=0.1))  # within two of its 20 pixels
     assert abs(force[0]) < 0.1 * force[1]  # it pulls up
     # Single precision of places some metres away, of a spring as long as 0.3 m.
-    view.shows("work_pull", np.dot(force, force) / (2 * stiffness), near=1e-3)
+    view.shows("given", np.dot(force, force) / (2 * stiffness), near=1e-3)
     view.page.mouse.up()
     view.sees("live.pull.length === 0")
     run.submit(lambda: run.kick(3, 0.25, (4.0, 2.0))).result()

@@ -8,6 +8,7 @@ import queue
 import signal
 from collections.abc import Callable
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 from unittest.mock import Mock
 
@@ -23,39 +24,39 @@ from rodgen.system import System
 from rodgen_live.page import module_builder
 from rodgen_live.page.module_builder import ModuleBuilder
 from rodgen_live.page.sweep_diagram import Diagram, SweepPoint
+from rodgen_live.panel_rows import CriticalForce
 from rodgen_live.run import critical_search
 from rodgen_live.run.critical_search import COMPUTING, CriticalSearch
 from rodgen_live.run.live_run import LiveRun
 from rodgen_live.run.sweep_computation import sweep
-from rodgen_live.run.worker_main import WORKS, RequestQueue
+from rodgen_live.run.worker_main import MOST_BEGUN, WORKS, Works
 from rodgen_live.run.worker_process import Answer, PendingRequest, WorkerProcess
 from tests.palette import ROD
 
 FREE = Scene.from_dict({**ROD, "loads": {}})
 
 
-def test_answers_refusals_and_defects_are_told_and_nothing_of_what_is_dropped(run: LiveRun) -> None:
-    """In the process itself: requests are answered a part at a time, by turns."""
-    told: list[tuple[int, dict[str, Any]]] = []
-    works = RequestQueue(lambda number, **answer: told.append((number, answer)))
+def test_answers_refusals_and_defects_are_told_in_parts_by_turns(run: LiveRun) -> None:
+    """In the process itself. What is begun and not asked for again is forgotten in the end."""
+    works = Works()
     state = {"t": 0.0, "y": run.shown.y[-1].tolist(), "p": run.shown.p.tolist()}
-    for number, what, scene, more in (
-        (1, "modes", SCENE, state),
-        (2, "critical", FREE, {}),
-        (3, "none", SCENE, {}),
-        (4, "modes", SCENE, state),
-    ):
+
+    def answer(number: int, what: str, scene: Scene, more: dict[str, Any]) -> dict[str, Any]:
         table = json.loads(json.dumps(scene.model_dump(exclude_none=True)))
-        works.accept({"number": number, "what": what, "scene": table, "more": more})
-    works.accept({"number": 4})
-    while len(works):
-        works.advance()
+        return works.answer(number, what=what, scene=table, more=more)
+
     (modes,) = WORKS["modes"](SCENE, **state)
-    assert told[0] == (1, {"value": modes, "last": False})
-    assert sorted(number for number, _ in told) == [1, 1, 2, 3]
-    assert {number for number, answer in told if answer["last"]} == {1, 2, 3}
-    refused = {number: answer["refused"] for number, answer in told if "refused" in answer}
-    assert ("follow" in refused[2], "KeyError" in refused[3]) == (True, True)
+    assert answer(1, "modes", SCENE, state) == {"value": modes, "last": False}
+    for number, what, scene, said in (
+        (2, "critical", FREE, "follow"),
+        (3, "no", SCENE, "KeyError"),
+    ):
+        refused = answer(number, what, scene, {})
+        assert (said in refused["refused"], refused["last"]) == (True, True)
+    assert works.answer(1) == {"value": None, "last": True}
+    for number in range(4, 2 * MOST_BEGUN):
+        answer(number, "no", SCENE, {})
+    assert len(works._begun) == MOST_BEGUN
 
 
 class Told(queue.Queue[Answer]):
@@ -98,12 +99,15 @@ def test_force_of_a_scene_that_changes_is_asked_for_once(
     it waited for."""
     asked: list[tuple[float, Any]] = []
     done: list[float] = []
-    aside = Mock(spec=WorkerProcess)
-    aside.submit = lambda _, scene, told: (
-        asked.append((scene.loads.follower.force, told)) or PendingRequest(aside, len(asked))
-    )
-    monkeypatch.setattr(critical_search, "ASIDE", aside)
-    one = CriticalSearch(lambda work: work(), lambda: done.append(one.value), clock)
+    requests: list[PendingRequest] = []
+
+    def submit(what: str, scene: Any, told: Any) -> PendingRequest:
+        asked.append((scene.loads.follower.force, told))
+        requests.append(PendingRequest({"what": what}, told))
+        return requests[-1]
+
+    monkeypatch.setattr(critical_search, "ASIDE", SimpleNamespace(submit=submit))
+    one = CriticalSearch(lambda work: work(), lambda: done.append(one.found.value), clock)
 
     def look(force: float) -> None:
         one.restart(System(Scene.from_dict({**ROD, "loads": {"follower": {"force": force}}})))
@@ -118,15 +122,15 @@ def test_force_of_a_scene_that_changes_is_asked_for_once(
         one.tick()
     assert [force for force, _ in asked] == [3.0]
     look(4.0)
-    aside.cancel.assert_called_once_with(1)
+    assert requests[0].is_cancelled
     asked[0][1](Answer({"value": 30.0}))
-    assert (one.value, done) == (COMPUTING, [])
+    assert (one.found.value, done) == (COMPUTING, [])
     clock.now += 1.0
     one.tick()
     found = {"value": 40.0, "rows": {"kind": "flutter"}, "notes": ["it is doubtful"]}
     for answer in (Answer(found), Answer(last=True)):
         asked[1][1](answer)
-    assert (one.value, done) == (40.0, [40.0])
+    assert (one.found, done) == (CriticalForce(**found), [40.0])
 
 
 @pytest.mark.slow

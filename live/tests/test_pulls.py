@@ -65,14 +65,14 @@ def test_work_of_the_hand_is_what_the_energy_lacks(settings: Any, error: float) 
         live.advance(live.t + 0.05, np.inf)
     here = live.here()
     works = dict(zip(live.works, here.work[-1], strict=True))
-    assert abs(works["pull"]) > 0.5
-    assert works["pull"] == pytest.approx(by_hand, abs=1e-9)
+    assert abs(live.given) > 0.5
+    assert live.given == pytest.approx(by_hand, abs=1e-9)
     assert works["supports"] < 0  # the damper
     with np.errstate(all="ignore"):
         energy = sum(call_module(live.model, "energy", here.t[-1], here.y[-1], live.p))
     lacking = energy - sum(works.values()) - live.given - live.energy_start
     assert abs(lacking) < error
-    assert abs(lacking + 2 * works["pull"]) > 0.5  # as it would be with the other sign
+    assert abs(lacking + 2 * live.given) > 0.5  # as it would be with the other sign
 
 
 @pytest.fixture
@@ -105,10 +105,10 @@ def test_pull_is_on_the_record_and_in_a_link_to_it(run: LiveRun) -> None:
     does(run, run.release_pull, run.one_step)
     assert len(run.marks.every) == 2  # it begins and ends; that it is moved between is no mark
     kept = does(run, lambda: list(run.store.chunks())[-1])
-    shown = run.catalogue.columns(["work_pull", "work_supports"], kept)
-    assert shown[-1, 0] == kept.work[-1, kept.works.index("pull")] != 0
+    (shown,) = run.catalogue.columns(["work_supports"], kept)[-1]
+    assert shown == kept.work[-1, kept.works.index("supports")] != 0
     sol = does(run, run.solution)
-    assert sol.work["pull"][-1] != 0
+    assert sol.energy_input[-1] == kept.given != 0
     for mark in run.marks.every:
         assert mark.what in sol.message
     does(run, run.restart)

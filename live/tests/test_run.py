@@ -54,7 +54,7 @@ def test_blow_up_stops_and_a_change_mends(run: LiveRun) -> None:
     """But a state beyond use is lost: it takes a reset."""
     told: list[str] = []
     run.told = lambda: told.append(run.status)
-    does(run, lambda: run.report_failure("a defect"))
+    does(run, lambda: run.stop("a defect"))
     assert (run.status, run.is_unusable, told) == (STOPPED, False, [STOPPED])
     wild = SCENE.replace({"integrate.method": "euler", "integrate.step": 0.2})
     does(run, lambda: run.set_speed(np.inf), lambda: run.change(wild), run.resume)

@@ -10,26 +10,25 @@ import pytest
 
 from rodgen.arrays import Array
 from rodgen_live import sample_store
-from rodgen_live.open_run import Samples
 from rodgen_live.run.plot import Plot, PlotSpec
 from rodgen_live.run.sample_curves import ROWS, Window, spectrum
-from rodgen_live.sample_store import MOST, SampleStore
+from rodgen_live.sample_store import MOST, Chunk, SampleStore
 
 FEW = 500  # samples that are kept at most, in place of MOST
 
 
-def _samples(first: int, last: int) -> Samples:
-    """Samples whose every number tells which one it is."""
+def _samples(first: int, last: int, *p: float, given: float = 0.0) -> Chunk:
+    """Samples whose every number tells which one it is, with these parameters."""
     t = np.arange(first, last, dtype=float)
-    return Samples(t, np.repeat(t[:, None], 4, axis=1), t[:, None] * 10)
+    y = np.repeat(t[:, None], 4, axis=1)
+    return Chunk(t, y, t[:, None] * 10, ("follower",), np.array(p), given, start=3.0)
 
 
 def filled(*parts: tuple[int, int, float, float]) -> SampleStore:
     """Samples from ... to, with a parameter and an energy that was given."""
-    store = SampleStore(4, ("follower",), start=3.0)
+    store = SampleStore()
     for first, last, p, given in parts:
-        store.set_parameters(np.array([p]), given)
-        store.add(_samples(first, last))
+        store.add(_samples(first, last, p, given=given))
     return store
 
 
@@ -38,7 +37,7 @@ def test_full_store_keeps_evenly_spread_samples_from_start_to_end(
     monkeypatch: pytest.MonkeyPatch, at_once: int
 ) -> None:
     monkeypatch.setattr(sample_store, "MOST", FEW)
-    store, total = filled((0, 0, 1.0, 0.0)), 5 * FEW + 3
+    store, total = SampleStore(), 5 * FEW + 3
     for first in range(0, total, at_once):
         store.add(_samples(first, min(first + at_once, total)))
     t = np.concatenate([chunk.t for chunk in store.chunks()])
@@ -62,15 +61,13 @@ def test_few_of_many_parameters_that_change_cost_little() -> None:
     many, count = 4000, 500
     p = np.arange(float(many))
     tracemalloc.start()
-    store = SampleStore(4, ("follower",), start=0.0)
+    store = SampleStore()
     for k in range(count):
         p[[7, 3000]] = k, -k
-        store.set_parameters(p, 0.0)
-        store.add(_samples(k, k + 1))
+        store.add(_samples(k, k + 1, *p))
     held, _ = tracemalloc.get_traced_memory()
     tracemalloc.stop()
-    store.set_parameters(-p, 0.5)
-    store.add(_samples(count, count + 1))
+    store.add(_samples(count, count + 1, *-p, given=0.5))
     assert held < 0.1 * 8 * many * count
     *moved, last = store.chunks()
     for k, chunk in enumerate(moved):
@@ -83,8 +80,7 @@ def test_what_comes_after_a_time_is_dropped() -> None:
     last = store.truncate(14.5)
     assert (last.t.tolist(), last.p.tolist(), last.start) == ([14.0], [1.0], 3.0)
     assert (last.y[0, 3], last.work[0, 0]) == (14.0, 140.0)
-    store.set_parameters(np.array([5.0]), 0.0)
-    store.add(_samples(30, 32))
+    store.add(_samples(30, 32, 5.0))
     found = [(chunk.t.tolist(), chunk.p[0]) for chunk in store.chunks()]
     times = [list(range(10)), list(range(10, 15)), [30, 31]]
     assert found == list(zip(times, (0.0, 1.0, 5.0), strict=True))

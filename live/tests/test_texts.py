@@ -17,6 +17,7 @@ from rodgen.model.terms import TERMS, THESIS_TERMS
 from rodgen.scene import Scene
 from rodgen_live.panel_rows import (
     WIDTH,
+    CriticalForce,
     RunStatus,
     format_decimals,
     format_integer,
@@ -143,7 +144,7 @@ def test_loads_and_works_are_those_of_the_present(make_scene: Make) -> None:
     assert rows["tip_force_y"].label != "tip force y"  # which changes with time
     assert rows["tip_force_x"].label == "tip force x"
     assert rows["internal_damping"].unit == "m²/s"
-    assert found["work_pull"] == shown(scene, t=0.7, given=0.0)["given"] == ""  # nothing was done
+    assert shown(scene, t=0.7, given=0.0)["given"] == ""  # nothing was done
     works = [float(text) for key, text in found.items() if key.startswith("work_") and text]
     assert works[:4] == [1.0, 2.0, 3.0, 4.0]
     balance = float(found["total_energy"]) - sum(works) - float(found["given"])
@@ -163,7 +164,7 @@ def test_the_distance_to_the_critical_force(make_scene: Make) -> None:
         (0.0, ("0.0000", "–", "-40.000", "")),
         (words, (*none[:3], words)),
     ):
-        found = shown(scene, critical=critical)
+        found = shown(scene, critical=CriticalForce(critical))
         names = ("load", "ratio", "distance", "why")
         assert tuple(found[f"critical_{name}"] for name in names) == expected
 

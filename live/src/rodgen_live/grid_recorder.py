@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from typing import NamedTuple
 
 import numpy as np
 
@@ -13,15 +12,6 @@ from rodgen.integrate.recorder import Recorder
 
 ROOM = 256  # samples that there is room for at first
 FARTHEST = 2**53  # beyond which neighbouring whole numbers are no doubles
-
-
-class Samples(NamedTuple):
-    """Samples of a run. t: times [s], (K,); y: states, (K, states); work: work done by each load
-    without potential since the start [J], (K, works)."""
-
-    t: Array
-    y: Array
-    work: Array
 
 
 class GridRecorder(Recorder):
@@ -68,15 +58,16 @@ class GridRecorder(Recorder):
         times = self._times(self.count, end)
         return times, self._rows[at : at + len(times)]
 
-    def take(self, until: int) -> Samples:
-        """Take the samples before this k that are there and were not taken yet."""
+    def take(self, until: int) -> tuple[Array, Array, Array]:
+        """Take the samples before this k that are there and were not taken yet: times [s], states
+        and works [J]."""
         many = max(0, min(self.count, until) - self._first)
         t = self._times(self._first, self._first + many)
         y, work = (part.copy() for part in np.split(self._rows[:many], [self.states], axis=1))
         left = self._rows[many : self.count - self._first].copy()
         self._rows[: len(left)] = left
         self._first += many
-        return Samples(t, y, work)
+        return t, y, work
 
     def skip(self, t: float) -> None:
         """Skip the samples up to a time [s], and drop those that were not taken."""

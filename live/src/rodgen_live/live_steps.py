@@ -6,7 +6,6 @@ import contextlib
 import time
 from dataclasses import replace
 from types import ModuleType
-from typing import Any
 
 import numpy as np
 
@@ -27,10 +26,10 @@ from rodgen.integrate.stretches import (
     evaluation_bounds,
     with_span,
 )
-from rodgen.model.terms import PULL
 from rodgen.scene.integration import IntegrationTable
 from rodgen.system import System
-from rodgen_live.grid_recorder import GridRecorder, Samples
+from rodgen_live.grid_recorder import GridRecorder
+from rodgen_live.sample_store import Chunk
 
 STOPS = (StepError, OverflowError)  # what a method ends with that cannot go on
 
@@ -134,7 +133,6 @@ class SystemSteps:
             self._take_steps(tape, 1)
 
     def _take_steps(self, tape: GridRecorder, most: int) -> None:
-        """Take at most so many steps. Raises StepError."""
         if self._ended:
             self._begin()
         before, start = self.machine.counts.nsteps, time.perf_counter()
@@ -158,32 +156,33 @@ class SystemSteps:
 
 
 class LiveError(ArithmeticError):
-    """A live run stands still until it is changed or restarted; t: where [s]; samples: those that
-    became known before."""
+    """A live run stands still until it is changed or restarted; samples: those that became known
+    before."""
 
-    def __init__(self, message: str, t: float, samples: Samples):
+    def __init__(self, message: str, samples: Chunk):
         super().__init__(message)
-        self.t, self.samples = t, samples
-
-    def __reduce__(self) -> tuple[Any, ...]:
-        return type(self), (str(self), self.t, self.samples)
+        self.samples = samples
 
 
 class LiveSteps:
     """An open-ended run with one system after the other: its samples, works and costs.
 
-    works: names of the loads without potential, and PULL where the rod can be pulled; seconds:
-    computing time since the start.
+    works: names of the loads without potential; seconds: computing time since the start; given:
+    energy [J] that changes, kicks and pulls have put in since then; energy_start: total energy
+    there [J], raised_start: that in gravity.
     """
 
+    given: float
+    energy_start: float
+    raised_start: float
+
     def _start(self, course: SystemSteps, every: float, works: tuple[str, ...]) -> None:
-        """Begin a course with all counts at zero."""
         self._course, self._failed, self.works = course, "", works
         self._spent, self.seconds = Counts(), 0.0  # of the courses before
         self._base = np.zeros(len(works))  # works before the course [J]
         # The last sample given out, or the last change if later.
         self._known = self.t, self.y, self._base
-        self._tape = GridRecorder(self.t, every, len(self.y), self._loads)
+        self._tape = GridRecorder(self.t, every, len(self.y), self.works)
 
     def _take_up(self, course: SystemSteps, work: Array, every: float | None = None) -> None:
         """Go on by another course, with the works up to here; every: other seconds between two
@@ -193,7 +192,7 @@ class LiveSteps:
         self._known = self.t, self.y, work
         taken = self._tape.next_index
         if every is not None:
-            self._tape = GridRecorder(self.t, every, len(self.y), self._loads)
+            self._tape = GridRecorder(self.t, every, len(self.y), self.works)
         if taken:  # else the sample at the start is still to come
             self._tape.skip(self.t)
 
@@ -223,11 +222,6 @@ class LiveSteps:
         return self._tape.every
 
     @property
-    def states(self) -> int:
-        """Length of a state."""
-        return self._tape.states
-
-    @property
     def counts(self) -> Counts:
         """Steps and evaluations since the start."""
         total = Counts()
@@ -235,29 +229,29 @@ class LiveSteps:
         total += self._course.machine.counts
         return total
 
-    def here(self) -> Samples:
+    def here(self) -> Chunk:
         """Sample at which a change or a kick would act now; after one, its result."""
-        return _single_sample(*self._point_of_change())
+        return self._single_sample(*self._point_of_change())
 
-    def advance(self, to: float, wall: float) -> Samples:
+    def advance(self, to: float, wall: float) -> Chunk:
         """Go on to a time [s] for so many seconds at most, or one step, and return the new samples
         up to that time. Raises LiveError, again and again until something is changed."""
         return self._run_steps(self._tape.count_until(to), wall)
 
-    def one_step(self) -> Samples:
+    def one_step(self) -> Chunk:
         """Take one step of the method, and return a sample at its end; those before it that were
         not given out are left out. Raises LiveError."""
         self._run_steps(0, None)
         self._known = self._at_end()
         self._tape.skip(self.t)
-        return _single_sample(*self._known)
+        return self._single_sample(*self._known)
 
-    def _run_steps(self, goal: int, wall: float | None) -> Samples:
+    def _run_steps(self, goal: int, wall: float | None) -> Chunk:
         """Take steps for so many seconds, or a single one if None, and return the new samples
         before number ``goal``."""
         start = time.perf_counter()
         if self._failed:
-            raise LiveError(self._failed, self.t, self._take_samples(0))
+            raise LiveError(self._failed, self._take_samples(0))
         try:
             with np.errstate(all="ignore"):
                 if wall is None:
@@ -269,20 +263,27 @@ class LiveSteps:
         except STOPS as error:
             with np.errstate(all="ignore"):
                 self._failed = self._course.failure_message(error)
-            raise LiveError(self._failed, self.t, self._take_samples(goal)) from None
+            raise LiveError(self._failed, self._take_samples(goal)) from None
         finally:
             self.seconds += time.perf_counter() - start
         return self._take_samples(goal)
 
-    def _take_samples(self, goal: int) -> Samples:
+    def _take_samples(self, goal: int) -> Chunk:
         """Take the samples before number ``goal`` that were not given out yet."""
         with np.errstate(all="ignore"):
             self._course.machine.works(self._tape)  # as far as they were put off
             t, y, work = self._tape.take(goal)
-            work = self._since_start(work)
+            work = self._base + work
         if len(t):
             self._known = float(t[-1]), y[-1].copy(), work[-1].copy()
-        return Samples(t, y, work)
+        return self._chunk(t, y, work)
+
+    def _chunk(self, t: Array, y: Array, work: Array) -> Chunk:
+        start = self.energy_start, self.raised_start
+        return Chunk(t, y, work, self.works, self.p, self.given, *start)
+
+    def _single_sample(self, t: float, y: Array, work: Array) -> Chunk:
+        return self._chunk(np.array([t]), y[None], work[None])
 
     def _point_of_change(self) -> tuple[float, Array, Array]:
         """Time [s], state and works [J] at which a change acts."""
@@ -292,19 +293,4 @@ class LiveSteps:
     def _at_end(self) -> tuple[float, Array, Array]:
         """Time [s], state and works [J] at the end of the last step."""
         with np.errstate(all="ignore"):
-            return self.t, self.y, self._since_start(self._course.machine.works(self._tape))
-
-    @property
-    def _loads(self) -> tuple[str, ...]:
-        """Names of the works that steps add to."""
-        return tuple(name for name in self.works if name != PULL)
-
-    def _since_start(self, work: Array) -> Array:
-        """Works of all kinds since the start, from those of the course, (..., loads)."""
-        total: Array = np.broadcast_to(self._base, (*work.shape[:-1], len(self._base))).copy()
-        total[..., : work.shape[-1]] += work
-        return total
-
-
-def _single_sample(t: float, y: Array, work: Array) -> Samples:
-    return Samples(np.array([t]), y[None].copy(), work[None].copy())
+            return self.t, self.y, self._base + self._course.machine.works(self._tape)

@@ -4,12 +4,11 @@ from __future__ import annotations
 
 import math
 import time
-from functools import lru_cache
 from types import ModuleType
 from typing import Any
 
 import numpy as np
-from threadpoolctl import ThreadpoolController
+from threadpoolctl import threadpool_limits
 
 from rodgen.arrays import Array
 from rodgen.errors import InputError
@@ -18,15 +17,14 @@ from rodgen.integrate.methods.method_choice import Choice, choose
 from rodgen.integrate.quantity_formulas import loads_at_work
 from rodgen.integrate.stability import largest_stable_step
 from rodgen.loading.generated_module import call_module
-from rodgen.model.terms import PULL
 from rodgen.scene import Scene
 from rodgen.scene.integration import AUTO
 from rodgen.system import System
-from rodgen_live.grid_recorder import Samples
 from rodgen_live.live_steps import LiveError, LiveSteps, SystemSteps
 from rodgen_live.pull import Pull, check_number, check_point, with_idle_support, with_pull
+from rodgen_live.sample_store import Chunk
 
-__all__ = ["Live", "LiveError", "Samples"]
+__all__ = ["Live", "LiveError"]
 
 # What a run is integrated with that is to be looked at alone, on rods of 20 to 1000 links 20 to 600
 # times cheaper than at rtol 1e-8. The first is taken first: where a rod of many links swings about
@@ -52,10 +50,9 @@ class Live(LiveSteps):
 
     system: what is run, as it was given last, without a place for a pull of its own; choice: its
     method, and why; rough: which of FOR_LOOKING is taken instead of that and of its tolerances,
-    counted from 1, and 0 for none; given: energy [J] that changes and kicks have put in since the
-    start; energy_start: total energy there [J], raised_start: that in gravity; pulls: whether the
-    module has a place for a pull; pulling: the present pull, if any. To be used from one thread at
-    a time; an InputError, for what cannot be used, leaves the run as it was.
+    counted from 1, and 0 for none; pulls: whether the module has a place for a pull; pulling: the
+    present pull, if any. To be used from one thread at a time; an InputError, for what cannot be
+    used, leaves the run as it was.
     """
 
     choice: Choice
@@ -75,7 +72,7 @@ class Live(LiveSteps):
         """Scene that is run."""
         return self.system.scene
 
-    def _run_steps(self, goal: int, wall: float | None) -> Samples:
+    def _run_steps(self, goal: int, wall: float | None) -> Chunk:
         self._choose_again()
         return super()._run_steps(goal, wall)
 
@@ -133,7 +130,6 @@ class Live(LiveSteps):
         self._switch(rough=self._next_coarser() if on else 0)
 
     def _next_coarser(self) -> int:
-        """Number of the next coarser one of FOR_LOOKING."""
         asked = self.system.settings
         finest = 0.0 if asked.has_fixed_step else asked.rtol
         left = range(self.rough + 1, len(FOR_LOOKING))
@@ -149,7 +145,7 @@ class Live(LiveSteps):
         t, y, _ = self._point_of_change()
         after = y.copy()
         # On one thread: others would be waited for longer than they help.
-        with np.errstate(all="ignore"), _threads().limit(limits=1, user_api="blas"):
+        with np.errstate(all="ignore"), threadpool_limits(1, user_api="blas"):
             M = call_module(self.model, "mass_matrix", t, y, self.p)
             pushed = self.model.generalised_force(y, self.p, link, share, force)
             try:
@@ -176,17 +172,14 @@ class Live(LiveSteps):
         """Go on in the same state by the module of `with_idle_support`, which has a place for
         pulls."""
         t, y, work = self._point_of_change()
-        known, works = dict(zip(self.works, work, strict=True)), (*loads_at_work(model), PULL)
+        known, works = dict(zip(self.works, work, strict=True)), loads_at_work(model)
         work = np.array([known.get(name, 0.0) for name in works])
         self._go_on(t, y, work, self.every, model=model, pulls=True, works=works)
 
     def pull(self, pull: Pull | None) -> None:
         """Pull the rod from here on, or stop that if None; energy that the spring gains by the
-        change is work of the pull. Raises InputError."""
-        t, y, work = self._point_of_change()
-        before, work = self._energy(t, y, self.p), work.copy()
-        self._go_on(t, y, work, pulling=pull)
-        work[self.works.index(PULL)] += self._energy(t, y, self.p) - before
+        change is given. Raises InputError."""
+        self._switch(pulling=pull)
 
     def _with_pull(self, system: System) -> System:
         """Another system of the same structure, with the present pull. Raises InputError."""
@@ -200,11 +193,11 @@ class Live(LiveSteps):
             self._placed = system, with_idle_support(system)
         return self._placed[1]
 
-    def go_back(self, sample: Samples, p: Array, given: float) -> None:
-        """Go back to an earlier sample, at which p held and so much energy [J] was given."""
+    def go_back(self, sample: Chunk) -> None:
+        """Go back to an earlier sample."""
         t, y, work = float(sample.t[-1]), sample.y[-1], sample.work[-1]
         self._go_on(t, y, work, self.every, pulling=None)
-        self.given = given + self._energy(t, y, self.p) - self._energy(t, y, p)
+        self.given = sample.given + self._energy(t, y, self.p) - self._energy(t, y, sample.p)
 
     def sample_every(self, every: float) -> None:
         """Set the seconds between two samples, from here on."""
@@ -215,8 +208,7 @@ class Live(LiveSteps):
         t, y = system.settings.span[0], system.y0
         choice = self._choose(self._with_idle_support(system))
         course = self._make_course(t, y, system=system, choice=choice, pulling=None, _origin=t)
-        works = loads_at_work(self.model)
-        self._start(course, every, (*works, PULL) if self.pulls else works)
+        self._start(course, every, loads_at_work(self.model))
         *_, self.raised_start = energies = self.energies(t, y, self.p)
         self.given, self.energy_start = 0.0, sum(energies)
 
@@ -261,7 +253,6 @@ class Live(LiveSteps):
             self.choice = choice
 
     def _with_method(self, system: System) -> System:
-        """System with the chosen method, or with one of FOR_LOOKING."""
         if self.rough:
             return system.with_settings(**FOR_LOOKING[self.rough - 1])
         return system.with_method(self.choice.method)
@@ -286,12 +277,6 @@ def _step_settings(system: System) -> tuple[Any, ...]:
 
 
 def _check_period(every: float) -> float:
-    """Check and return the seconds between two samples. Raises InputError."""
     if not (isinstance(every, int | float) and math.isfinite(every) and every > 0):
         raise InputError("every", every, "a positive number of seconds")
     return float(every)
-
-
-@lru_cache(maxsize=1)
-def _threads() -> ThreadpoolController:
-    return ThreadpoolController()

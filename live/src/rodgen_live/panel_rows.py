@@ -6,7 +6,7 @@ import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property, partial
-from types import ModuleType
+from types import MappingProxyType, ModuleType
 from typing import NamedTuple
 
 import numpy as np
@@ -16,9 +16,9 @@ from rodgen.arrays import Array
 from rodgen.integrate.quantity_formulas import MotionSlice
 from rodgen.integrate.stepper import Counts
 from rodgen.model.quantities import Index, find_quantity
-from rodgen.model.rod import CLAMP_ANGLE, MASS_PER_LENGTH, ROD
+from rodgen.model.rod import MASS_PER_LENGTH, ROD
 from rodgen.model.term import JOINTS, WEIGHT, typeset
-from rodgen.model.terms import EMPTYING, PARAMETERS, PULL, TERMS
+from rodgen.model.terms import EMPTYING, PARAMETERS, TERMS
 from rodgen.scene import Scene, spring_law
 from rodgen.scene.integration import AUTO, IntegrationTable
 from rodgen_live.plot_quantities import motion_of
@@ -65,13 +65,20 @@ class TextRow(NamedTuple):
     unit: str
 
 
+class CriticalForce(NamedTuple):
+    """Critical follower force. value: the force [N], or in words why there is none, or None where
+    no force follows the rod; rows, notes: those of its result as text, rows by their words."""
+
+    value: float | str | None = None
+    rows: Mapping[str, str] = MappingProxyType({})
+    notes: Sequence[str] = ()
+
+
 @dataclass
 class RunStatus:
     """State of a run for the panel. scene, model: of the run; chunk: its last sample is the
     present; counts and seconds: cost of the run so far, computing time [s]; settings: those in use;
-    ratio: simulated seconds in one second of late, None where it is not known; critical: critical
-    follower force [N], or in words why there is none ("computing"), or None; critical_rows,
-    critical_notes: of the result that it is of, as text, rows by their words."""
+    ratio: simulated seconds in one second of late, None where it is not known."""
 
     scene: Scene
     model: ModuleType
@@ -80,9 +87,7 @@ class RunStatus:
     seconds: float
     settings: IntegrationTable
     ratio: float | None = None
-    critical: float | str | None = None
-    critical_rows: Mapping[str, str] = field(default_factory=dict)
-    critical_notes: Sequence[str] = ()
+    critical: CriticalForce = field(default_factory=CriticalForce)
 
     @cached_property
     def motion(self) -> MotionSlice:
@@ -113,19 +118,12 @@ class RunStatus:
 
     @property
     def stiffness(self) -> Array:
-        """Stiffness of the springs in all joints [N m/rad], from the bending moments of the
-        generated module where every link is turned from the one before, the first from its clamp:
-        by 1 rad, or next to nothing where springs have a law of their own."""
-        boundary, p = self.scene.boundary_condition, self.chunk.p
-        clamp = self.parameter(CLAMP_ANGLE.name) if boundary.is_clamped else 0.0
-        turned, first = np.zeros((2, len(self.model.STATE))), 2 * boundary.translates
-        turn = 1.0 if self.scene.spring_law is None else spring_law.NEAR
-        angles = np.arange(boundary.first, self.model.N) + bool(boundary.root)
-        half = (turned.shape[1] - len(self.scene.states)) // 2
-        turned[:, first:half] = clamp + turn * np.outer((-1, 1), angles)
-        below, above = self.model.bending_moments(turned, p)
-        stiffness: Array = (above - below) / (2 * turn)
-        return stiffness
+        """Stiffness of the springs, where the rod is straight, in the joints that have one
+        [N m/rad]."""
+        linear, law = np.array(self.scene.distribution.joint_stiffness), self.scene.spring_law
+        if law is None:
+            return linear
+        return np.broadcast_to(law.derivative(0.0, {spring_law.STIFFNESS: linear}), linear.shape)
 
 
 Value = float | str | None  # None: not known
@@ -202,7 +200,8 @@ def _rod(scene: Scene) -> Iterator[Entry]:
     unit = "N m/rad"
     if scene.rod.links > 1:
         label = "stiffness of a spring"
-        yield _row("spring_stiffness", label, unit, lambda now: _format_range(now.stiffness[1:-1]))
+        inner = slice(bool(boundary.root), scene.rod.links - 1 + bool(boundary.root))
+        yield _row("spring_stiffness", label, unit, lambda now: _format_range(now.stiffness[inner]))
     if boundary.root:
         label = "stiffness of the root spring"
         yield _row("root_stiffness", label, unit, lambda now: float(now.stiffness[0]))
@@ -256,29 +255,28 @@ def _critical_rows(scene: Scene) -> Iterator[Entry]:
         for row in Critical.ROWS:
             if row.name in CRITICAL:
                 yield _row(f"critical_{row.name}", row.words, "", partial(_critical_row, row.words))
-        yield _row("critical_notes", "", "", lambda now: "; ".join(now.critical_notes))
+        yield _row("critical_notes", "", "", lambda now: "; ".join(now.critical.notes))
 
 
 def _critical(now: RunStatus) -> tuple[Value, str]:
     """Critical force, and the reason why there is none, if it is too long for the row of that."""
-    found = now.critical
+    found = now.critical.value
     return (None, found) if isinstance(found, str) and len(found) > WIDTH else (found, "")
 
 
 def _critical_row(words: str, now: RunStatus) -> str:
-    """Text of a row of the result; nothing while there is none."""
-    return now.critical_rows.get(words, "")
+    return now.critical.rows.get(words, "")
 
 
 def _critical_ratio(force: str, now: RunStatus) -> Value:
-    found = now.critical
+    found = now.critical.value
     if not isinstance(found, float) or not found:
         return None
     return format_decimals(100 * now.parameter(force) / found, 2)
 
 
 def _critical_distance(force: str, now: RunStatus) -> Value:
-    found = now.critical
+    found = now.critical.value
     return found - now.parameter(force) if isinstance(found, float) else None
 
 
@@ -310,10 +308,11 @@ def _energies(scene: Scene) -> Iterator[Entry]:
     yield _quantity("total_energy", "total energy")
     works = {term.name: term.words for term in terms if term.kind != WEIGHT}
     works |= {EMPTYING: EMPTYING} if scene.structure.masses else {}
-    for name, words in (works | {PULL: f"the {PULL}"}).items():
+    for name, words in works.items():
         yield _row(f"work_{name}", f"work of {words}", "J", partial(_work, f"work_{name}"))
     # Not there until something is done to the run.
-    yield _row("given", "given by changes and kicks", "J", lambda now: now.chunk.given or "")
+    given = "given by changes, kicks and pulls"
+    yield _row("given", given, "J", lambda now: now.chunk.given or "")
     yield _quantity("energy_balance", "balance error")
 
 

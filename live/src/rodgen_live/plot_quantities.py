@@ -69,23 +69,22 @@ class Catalogue:
 
     quantities: all of them by name, in the order in which they are offered; kinds: names by kind,
     of quantities that can share a plot; along: for kinds that go along the rod, where on it their
-    quantities are, from 0 at joint 0 to 1 at the tail; works: loads without potential, and others
-    that put in energy. An expression of quantities is one of them once it has been asked for. All
-    are fixed by the structure of the system, for which model is made: values of parameters are
-    taken from each chunk.
+    quantities are, from 0 at joint 0 to 1 at the tail; works: loads without potential. An
+    expression of quantities is one of them once it has been asked for. All are fixed by the
+    structure of the system, for which model is made: values of parameters are taken from each
+    chunk.
     """
 
-    def __init__(self, system: System | Scene, model: ModuleType, others: tuple[str, ...] = ()):
+    def __init__(self, system: System | Scene, model: ModuleType):
         system = System.of(system)
         self.model, self._timed = model, system.time_dependent_loads
-        powers = loads_at_work(model)
-        self.works = (*powers, *others)
+        self.works = loads_at_work(model)
         self.quantities: dict[str, PlotQuantity] = {}
         self.kinds: dict[str, list[str]] = {}
         self.along: dict[str, Array] = {}
         self._places: dict[str, _Place] = {}
         order = list(KINDS)
-        every = _scalars(system.scene, self.works, powers)
+        every = _scalars(system.scene, self.works)
         for shown, place in sorted(every, key=lambda one: order.index(one[0].kind)):
             self.kinds.setdefault(shown.kind, []).append(shown.name)
             self.quantities[shown.name], self._places[shown.name] = shown, place
@@ -173,13 +172,11 @@ def motion_of(model: ModuleType, chunk: Chunk, timed: Mapping[str, Any]) -> Moti
     return MotionSlice(model, chunk.p, chunk.y, chunk.t, works, chunk.given, chunk.start, timed)
 
 
-def _scalars(
-    scene: Scene, works: tuple[str, ...], powers: tuple[str, ...]
-) -> Iterator[tuple[PlotQuantity, _Place]]:
+def _scalars(scene: Scene, works: tuple[str, ...]) -> Iterator[tuple[PlotQuantity, _Place]]:
     loads = [PARAMETERS[name] for name in scene.loads.parameters]
     terms = {
         WORKS: {term: describe(term) for term in works},
-        POWERS: {term: describe(term) for term in powers},
+        POWERS: {term: describe(term) for term in works},
         LOADS: {one.name: one.label for one in loads if one.timed and one.unit == "N"},
         ADDED: {name: name for name in scene.states},
         "": {"": ""},

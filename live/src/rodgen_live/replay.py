@@ -12,7 +12,6 @@ import numpy as np
 from rodgen.errors import InputError
 from rodgen.integrate.solution import Solution
 from rodgen.loading.generated_module import call_module
-from rodgen_live.grid_recorder import Samples
 from rodgen_live.plot_quantities import Catalogue
 from rodgen_live.run.change_history import ChangeMark
 from rodgen_live.run.message import Named, encode, pull_array, rod_arrays, trail_so_far
@@ -76,18 +75,17 @@ def _fill_store(solution: Solution) -> SampleStore:
     given = np.broadcast_to(solution.energy_input, solution.t.shape)
     with np.errstate(all="ignore"):
         start = call_module(model, "energy", solution.t[0], solution.y[0], every[0])
-    store = SampleStore(solution.y.shape[1], work, float(sum(start)), float(start[-1]))
+    store = SampleStore()
     works = np.reshape([*solution.work.values()], (len(work), len(solution.t))).T
     changed = np.any(every[1:] != every[:-1], axis=1) | (given[1:] != given[:-1])
     edges = [0, *(np.flatnonzero(changed) + 1).tolist(), len(solution.t)]
     for a, b in itertools.pairwise(edges):
-        store.set_parameters(every[a], float(given[a]))
-        store.add(Samples(solution.t[a:b], solution.y[a:b], works[a:b]))
+        t, y, held = solution.t[a:b], solution.y[a:b], (every[a], float(given[a]))
+        store.add(Chunk(t, y, works[a:b], work, *held, float(sum(start)), float(start[-1])))
     return store
 
 
 def _profile_arrays(plots: Iterable[Plot], sample: Chunk) -> Iterator[Named]:
-    """Arrays of the profiles among the plots at one sample."""
     for plot in plots:
         if plot.spec.kind == "profile" and (rows := plot.current_rows(sample)) is not None:
             yield f"plot!{plot.spec.id}", rows.ravel()
@@ -97,16 +95,12 @@ def _marks(solution: Solution, store: SampleStore) -> list[ChangeMark]:
     """Marks at events, and where values were changed or the rod was kicked; that the far end of a
     pull is moved is none."""
     places = solution.system.structure.slices
-    far = [places[name] for name in ("support_x", "support_y") if name in places]
-
-    def comparison_key(chunk: Chunk) -> tuple[bytes, float]:
-        p = chunk.p.copy()
-        for place in far:
-            p[place] = 0.0
-        return p.tobytes(), chunk.given
-
+    far = np.zeros(len(solution.system.p), dtype=bool)
+    for name in ("support_x", "support_y"):
+        far[places.get(name, slice(0))] = True
     marks = [ChangeMark(event.t, event.name) for event in solution.events]
     for before, chunk in itertools.pairwise(store.chunks()):
-        if comparison_key(before) != comparison_key(chunk):
+        differ = before.p != chunk.p
+        if not differ.any() or (differ & ~far).any():
             marks.append(ChangeMark(float(chunk.t[0]), "a change or a kick"))
     return sorted(marks)

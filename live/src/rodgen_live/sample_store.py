@@ -13,7 +13,6 @@ from numpy.typing import NDArray
 from rodgen.arrays import Array
 from rodgen.integrate.trajectory import Changes
 from rodgen.memory import check_memory
-from rodgen_live.grid_recorder import Samples
 
 ROOM = 2**25  # bytes of states
 MOST, LEAST = 20_000, 500  # samples, whatever they weigh
@@ -47,6 +46,11 @@ class Chunk:
         """The last sample alone."""
         return self.select(slice(-1, None))
 
+    def goes_on_from(self, before: Chunk) -> bool:
+        """Whether neither a change nor a kick lies between another chunk and this one."""
+        same = before.p is self.p or np.array_equal(before.p, self.p)
+        return same and (before.given, before.start) == (self.given, self.start)
+
 
 class _Epoch(NamedTuple):
     """Parameters and given energy [J] between two changes; of the parameters, only those are kept
@@ -58,13 +62,13 @@ class _Epoch(NamedTuple):
     given: float
 
     @classmethod
-    def of(cls, p: Array, given: float, before: _Epoch | None) -> _Epoch:
+    def of(cls, chunk: Chunk, before: _Epoch | None) -> _Epoch:
         """Make an epoch, by the shared set of the one before where few parameters differ."""
-        if before is not None:
-            places = np.flatnonzero(p != before.shared)
-            if len(places) <= FEW:
-                return cls(before.shared, places, p[places], given)
-        return cls(p.copy(), np.empty(0, dtype=np.intp), np.empty(0), given)
+        shared = before.shared if before is not None else chunk.p
+        places = np.flatnonzero(chunk.p != shared)
+        if len(places) > FEW:
+            shared, places = chunk.p, places[:0]
+        return cls(shared, places, chunk.p[places], chunk.given)
 
     @property
     def p(self) -> Array:
@@ -78,52 +82,39 @@ class SampleStore:
     """Samples of a run since its start; a full store drops every other one, and takes up only every
     other one from then on."""
 
-    def __init__(self, states: int, works: tuple[str, ...], start: float, raised: float = 0.0):
-        """Make an empty store; start, raised: energy at the start [J] (see Chunk)."""
-        self._states = states
-        nothing = np.empty(0)  # what holds from now on, without samples
-        self._here = Chunk(nothing, nothing, nothing, works, nothing, 0.0, start, raised)
-        width = 1 + states + len(works)
-        rows = int(min(MOST, max(LEAST, ROOM // (8 * width))))
-        self._rows = np.empty((rows, width))
-        self._epoch_of = np.zeros(rows, dtype=np.int64)
+    def __init__(self) -> None:
+        self._rows = np.empty((0, 1))  # room is made for the first sample
+        self._epoch_of = np.zeros(0, dtype=np.int64)
         self._epochs: dict[int, _Epoch] = {}
         self._number = self.count = self._seen = 0
         self._stride = 1
-
-    def set_parameters(self, p: Array, given: float) -> None:
-        """Set the parameters and the given energy [J] that hold from the next sample on."""
-        before = self._epochs.get(self._number)
-        if not (self.count and self._epoch_of[self.count - 1] == self._number):
-            self._epochs.pop(self._number, None)  # no sample of it was kept
-        self._number += 1
-        self._epochs[self._number] = _Epoch.of(p, given, before)
-        self._here = replace(self._here, p=p.copy(), given=given)
+        self._last: Chunk | None = None  # that was added
 
     def truncate(self, t: float) -> Chunk:
-        """Drop the samples after a time [s], except the first of all; returns the last one.
-        `set_parameters` is to set what holds from there on."""
+        """Drop the samples after a time [s], except the first of all; returns the last one."""
         kept = int(np.searchsorted(self._rows[: self.count, 0], t, side="right"))
         self.count = max(kept, 1)
-        last = self._epoch_of[self.count - 1]
+        self._number = last = int(self._epoch_of[self.count - 1])
         self._epochs = {number: one for number, one in self._epochs.items() if number <= last}
-        return self._chunk(self.count - 1, self.count)
+        self._last = found = self._chunk(self.count - 1, self.count)
+        return found
 
     def widen(self, works: tuple[str, ...], wide: Callable[[Array], Array]) -> SampleStore:
         """Copy the store with more works, which are zero, and more parameters; wide: converts the
         parameters."""
-        found = SampleStore(self._states, works, self._here.start, self._here.raised)
+        found = SampleStore()
         for piece in self.chunks():
-            found.set_parameters(wide(piece.p), piece.given)
             work = np.zeros((len(piece), len(works)))
             for at, name in enumerate(piece.works):
                 work[:, works.index(name)] = piece.work[:, at]
-            found.add(Samples(piece.t, piece.y, work))
+            found.add(replace(piece, work=work, works=works, p=wide(piece.p)))
         return found
 
-    def add(self, samples: Samples) -> Chunk:
-        """Add samples; returns them as a chunk, with what holds for them."""
-        at, count = 0, len(samples.t)
+    def add(self, samples: Chunk) -> None:
+        """Add samples, whose states and works are of the widths of those before."""
+        at, count = 0, len(samples)
+        if count:
+            self._begin_epoch(samples)
         while at < count:
             wanted = np.arange(at + -(self._seen + at) % self._stride, count, self._stride)
             room = len(self._rows) - self.count
@@ -137,7 +128,21 @@ class SampleStore:
             at = int(wanted[room])
             self._thin()
         self._seen += count
-        return replace(self._here, t=samples.t, y=samples.y, work=samples.work)
+
+    def _begin_epoch(self, samples: Chunk) -> None:
+        """Begin an epoch where other parameters hold, or other energy was given, than before."""
+        before, self._last = self._last, samples
+        if before is None:
+            width = 1 + samples.y.shape[1] + len(samples.works)
+            rows = int(min(MOST, max(LEAST, ROOM // (8 * width))))
+            self._rows, self._epoch_of = np.empty((rows, width)), np.zeros(rows, dtype=np.int64)
+        elif samples.goes_on_from(before):
+            return
+        epoch = _Epoch.of(samples, self._epochs.get(self._number))
+        if self.count and self._epoch_of[self.count - 1] != self._number:
+            del self._epochs[self._number]  # no sample of it was kept
+        self._number += 1
+        self._epochs[self._number] = epoch
 
     def _thin(self) -> None:
         """Keep every other sample, and the epochs that still have one."""
@@ -176,9 +181,10 @@ class SampleStore:
     def _chunk(self, first: int, last: int) -> Chunk:
         """Samples as a chunk, by their numbers; no change lies between them."""
         epoch, rows = self._epochs[int(self._epoch_of[first])], self._rows[first:last]
-        y, work = np.split(rows[:, 1:], [self._states], axis=1)
-        found = replace(self._here, t=rows[:, 0].copy(), y=y.copy(), work=work.copy())
-        return replace(found, p=epoch.p, given=epoch.given)
+        assert self._last is not None
+        y, work = np.split(rows[:, 1:].copy(), [self._last.y.shape[1]], axis=1)
+        t, p = rows[:, 0].copy(), epoch.p
+        return replace(self._last, t=t, y=y, work=work, p=p, given=epoch.given)
 
 
 def changes_between(pieces: Sequence[Chunk]) -> Changes:

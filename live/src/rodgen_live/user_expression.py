@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import ast
+import math
 import re
 from collections.abc import Callable, Iterable, Mapping, Sequence, Set
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from types import ModuleType
 
@@ -54,10 +56,11 @@ class UserExpression:
         """Unit that follows from those of the quantities, given by name; empty where there is none,
         or none is known, as where unlike units are added."""
         known = {name: _parse_unit(unit) for name, unit in units.items()}
-        for name, one in self.rates.items():
-            if (found := _unit_of(one.text, known)) is not None:
-                known[name] = _multiply(found, {"s": 1}, -1)
-        return _format_unit(_unit_of(self.expression.text, known) or {})
+        with suppress(KeyError, ValueError):
+            for name, one in self.rates.items():
+                known[name] = _multiply(_unit(parse(one.text, name), known), {"s": 1}, -1)
+            return _format_unit(_unit(parse(self.expression.text, "expression"), known))
+        return ""
 
     def values(self, model: ModuleType, columns: Columns, chunk: Chunk) -> Array:
         """Values at the samples of a chunk, (K,)."""
@@ -133,74 +136,49 @@ def _evaluate(of: Expression, columns: Columns, chunk: Chunk, rates: Mapping[str
 # Units, as far as they follow from those of the quantities --------------------------------------
 
 Powers = dict[str, int]  # of symbols, such as {"m": 1, "s": -2}
-# What symbols stand for, by which units with unlike symbols are told to be alike.
-MEANT = {"J": "kg m²/s²", "N": "kg m/s²", "W": "kg m²/s³", "rad": ""}
+# Any numbers, as many times as large for symbols that stand for others: 1 J = 1 N m.
+SIZES = {"kg": 2.0, "m": 3.0, "s": 5.0, "rad": 1.0, "N": 6 / 25, "J": 18 / 25, "W": 18 / 125}
 HIGH = str.maketrans("0123456789", "⁰¹²³⁴⁵⁶⁷⁸⁹")
 LOW = str.maketrans("⁰¹²³⁴⁵⁶⁷⁸⁹", "0123456789")
 SYMBOL = re.compile(r"([A-Za-z]+)([⁰¹²³⁴⁵⁶⁷⁸⁹]*)")
-ALIKE = "abs", "min", "max"  # functions whose value is of the kind of what they are given
 
 
-def _unit_of(text: str, units: Mapping[str, Powers]) -> Powers | None:
-    """Unit of an expression in the grammar of scenes; None where none follows."""
-    tree = parse(text, "expression")
-    return None if tree is None else _unit(tree, units)
-
-
-def _unit(node: ast.expr, units: Mapping[str, Powers]) -> Powers | None:
-    """Unit of a part of an expression; None where it is not known."""
-
-    def part_unit(part: ast.expr) -> Powers | None:
-        return _unit(part, units)
-
+def _unit(node: ast.AST | None, units: Mapping[str, Powers]) -> Powers:
+    """Unit of an expression. Raises KeyError or ValueError where none follows."""
     match node:
-        case ast.Constant() | ast.Name(id="pi"):
-            return {}
-        case ast.Name(id=name):
-            return units.get(name)
+        case ast.Name(id=name) if name != "pi":
+            return units[name]
         case ast.UnaryOp(operand=part):
-            return part_unit(part)
-        case ast.BinOp(left=left, op=ast.Add() | ast.Sub(), right=right):
-            return _common_unit((left, right), units)
+            return _unit(part, units)
+        case ast.BinOp(left=left, op=ast.Mult() | ast.Div() as op, right=right):
+            sign = 1 if isinstance(op, ast.Mult) else -1
+            return _multiply(_unit(left, units), _unit(right, units), sign)
         case ast.BinOp(left=base, op=ast.Pow(), right=power):
-            return _power(part_unit(base), power)
-        case ast.BinOp(left=left, op=op, right=right):
-            if (first := part_unit(left)) is None or (second := part_unit(right)) is None:
-                return None
-            return _multiply(first, second, 1 if isinstance(op, ast.Mult) else -1)
-        case ast.IfExp(body=body, orelse=other):
-            return _common_unit((body, other), units)
-        case ast.Call(func=ast.Name(id=name), args=parts) if name in ALIKE:
-            return _common_unit(parts, units)
+            return _raised(_unit(base, units), ast.literal_eval(power))
         case ast.Call(func=ast.Name(id="sqrt"), args=[part]):
-            found = part_unit(part)
-            if found is None or any(power % 2 for power in found.values()):
-                return None
-            return {key: power // 2 for key, power in found.items()}
+            return _raised(_unit(part, units), 0.5)
+        case ast.BinOp(left=one, right=other) | ast.IfExp(body=one, orelse=other):
+            return _common_unit((one, other), units)
+        case ast.Call(func=ast.Name(id="abs" | "min" | "max"), args=parts):
+            return _common_unit(parts, units)
         case ast.Call(func=ast.Name(id="interp")):
-            return None
+            raise ValueError
     return {}
 
 
-def _common_unit(parts: Iterable[ast.expr], units: Mapping[str, Powers]) -> Powers | None:
-    """Unit that all parts share, plain numbers aside, which may have any; None for unlike ones."""
-    found = [_unit(part, units) for part in parts if set(names_in(part)) - {"pi"}]
-    known = [one for one in found if one is not None]
-    alike = len(known) == len(found) and all(
-        _base_units(one) == _base_units(known[0]) for one in known
-    )
-    return (known or [{}])[0] if alike else None
+def _common_unit(parts: Iterable[ast.expr], units: Mapping[str, Powers]) -> Powers:
+    """Unit that all parts share, plain numbers aside, which may have any."""
+    found = [_unit(part, units) for part in parts if set(names_in(part)) - {"pi"}] or [{}]
+    sizes = [math.prod(SIZES[key] ** power for key, power in one.items()) for one in found]
+    if not np.allclose(sizes, sizes[0], rtol=1e-9):
+        raise ValueError
+    return found[0]
 
 
-def _power(base: Powers | None, power: ast.expr) -> Powers | None:
-    if not base:
-        return base
-    match power:
-        case ast.Constant(value=int(times)):
-            return {key: times * of for key, of in base.items() if times}
-        case ast.UnaryOp(op=ast.USub(), operand=ast.Constant(value=int(times))):
-            return {key: -times * of for key, of in base.items() if times}
-    return None
+def _raised(unit: Powers, power: float) -> Powers:
+    if any(power * of % 1 for of in unit.values()):
+        raise ValueError
+    return {key: int(power * of) for key, of in unit.items() if power}
 
 
 def _multiply(first: Powers, second: Powers, sign: int) -> Powers:
@@ -208,21 +186,12 @@ def _multiply(first: Powers, second: Powers, sign: int) -> Powers:
     return {key: power for key, power in powers.items() if power}
 
 
-def _base_units(powers: Powers) -> Powers:
-    found: Powers = {}
-    for symbol, power in powers.items():
-        stands = _parse_unit(MEANT[symbol]) if symbol in MEANT else {symbol: 1}
-        found = _multiply(found, {key: times * power for key, times in stands.items()}, 1)
-    return found
-
-
 def _parse_unit(unit: str) -> Powers:
-    above, _, below = unit.partition("/")
-    found: Powers = {}
-    for text, sign in ((above, 1), (below, -1)):
-        for symbol, power in SYMBOL.findall(text):
-            found = _multiply(found, {symbol: int(power.translate(LOW) or 1)}, sign)
-    return found
+    above, below = (
+        {symbol: int(power.translate(LOW) or 1) for symbol, power in SYMBOL.findall(part)}
+        for part in f"{unit}/".split("/")[:2]
+    )
+    return _multiply(above, below, -1)
 
 
 def _format_unit(powers: Powers) -> str:

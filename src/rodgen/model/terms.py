@@ -129,13 +129,11 @@ def _numbered_term(name: str, number: int, rest: str) -> Term | None:
 TERMS: NumberedRows[Term] = NumberedRows({term.name: term for term in ROWS}, _numbered_term)
 # What the masses that change with time do, where works and powers are listed by term.
 EMPTYING = "emptying"
-# What is put in by moving the far end of a spring that pulls the rod by hand.
-PULL = "pull"
 
 
 def describe(name: str) -> str:
     """Words for a term, or for another source of work."""
-    return name if name in (EMPTYING, PULL) else TERMS[name].words
+    return name if name == EMPTYING else TERMS[name].words
 
 
 THESIS_TERMS = tuple(term.name for term in ROWS if term.thesis)

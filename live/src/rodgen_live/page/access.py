@@ -57,7 +57,6 @@ class AccessGuard:
             await answer(scope, receive, send)
 
     def _refusal(self, asked: HTTPConnection, given: str) -> str:
-        """Reason why a request is refused, or nothing."""
         headers = asked.headers
         host, origin = headers.get("host", ""), headers.get("origin")
         if self._token is None and not OWN_HOST.fullmatch(host):

@@ -92,7 +92,6 @@ class DownloadsPanel:
             ask("Part of the run", "Make", ends, take)
 
     async def _download(self, solution: Solution, ending: str, make: Make) -> None:
-        """Make a file from a solution in a thread, and have it downloaded."""
         if self.progress.visible:  # another one is being made
             return
         loop = asyncio.get_running_loop()

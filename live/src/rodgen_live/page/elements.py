@@ -123,14 +123,8 @@ def arrows_of(names: Iterable[str]) -> list[dict[str, Any]]:
 
 
 class RodCanvas(Component, component=STATIC / "rod.js"):
-    """The rod as the newest state has it; fills the box that it is given (a height is needed).
-
-    Arrays of a state: "joints", "omega" of the links, "moment", "forces:<term>" (of a load that
-    acts on joints), and "point": [x, y of the centre of gravity from the origin [m], angle of a
-    principal axis [rad], gravity [m/s^2] (left out, or 0, where there is none)]. What a state does
-    not have is not drawn. "trail" are places of the tail and the centre of gravity since
-    the message before, "trail!" all of them: [x, y of either in the world [m], t [s]] of every
-    sample.
+    """The rod as the newest state has it; fills the box that it is given (a height is needed). What
+    a state does not have (see message.rod_arrays) is not drawn.
 
     Props: show {name: bool} (see LAYERS), loads (those that are drawn, as the vocabulary has them),
     bodies [{name, link, along, across, size}] (see scene.distribution.BodyOutline), ties [{link,
@@ -167,13 +161,13 @@ class Plots(Component, component=STATIC / "plots.js"):
     Props: specs, a list of plots as JSON, in the order shown: {"id", "kind" ("time", "phase",
     "profile", "spectrum", "poincare", "sweep"), "title", "x": {"label", "unit", "log", "least",
     "period", "turn"}, "y": {"label", "unit", "log", "least"}, "series": [{"name", "label", "unit",
-    "period", "turn"}], "window": s, "wrapped"}; log: whether the axis is logarithmic; least: of
-    what moves by less, the scale is that of this; period: by what a quantity jumps; turn: the whole
-    turn of an angle, 0 if it has none; wrapped: whole turns are not shown.
-    dashed: whether a curve of a sweep is. Events: "removed" {id}, "picked" {id, row} (of a sweep, a
-    click on a row), "moved" {ids} (all, in the new order), "wrapped" {id, wrapped}: the page has
-    done so already. Method in the page: sweep(id, rows, marks), of which marks are lines at some
-    values. Rows that come before their plot are kept for it.
+    "period", "turn"}], "window": s, "wrapped"}; least: of what moves by less, the scale is that of
+    this; period: by what a quantity jumps; turn: the whole turn of an angle, 0 if it has none;
+    wrapped: whole turns are not shown; dashed: whether a curve of a sweep is. Events: "removed"
+    {id}, "picked" {id, row} (of a sweep, a click on a row), "moved" {ids} (all, in the new order),
+    "wrapped" {id, wrapped}: the page has done so already. Method in the page: sweep(id, rows,
+    marks), of which marks are lines at some values. Rows that come before their plot are kept for
+    it.
     """
 
 

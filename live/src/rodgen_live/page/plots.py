@@ -78,7 +78,6 @@ class PlotsPanel:
                 self.grid.run_method("sweep", name, *drawn)
 
     async def _add_flutter_plots(self) -> None:
-        """Add the plots that show flutter, before all others."""
         run = self.page.run
 
         def add() -> None:
@@ -122,7 +121,6 @@ class PlotDialog:
         self._show_fields()
 
     def _show_fields(self) -> None:
-        """Show only the fields of this kind of plot."""
         before = {field.label: field.value for field in self.fields.values()}
         self.box.clear()
         self.names = {}

@@ -40,7 +40,6 @@ class QuantityField:
         self._which: dict[str, ui.input] = {}
 
     def _options(self) -> dict[str, str]:
-        """Labels of what can be chosen, by the name of a kind or of a quantity."""
         options, quantities = {}, self.catalogue.quantities
         for kind, names in self.catalogue.kinds.items():
             title, also = KINDS[kind].title, f", {ALSO[kind]}" if kind in ALSO else ""
@@ -111,6 +110,5 @@ def _allowed_text(known: Collection[int], several: bool) -> str:
 
 
 def _by_number(names: list[str]) -> dict[int, str]:
-    """Quantities along the rod by the numbers of their links or joints."""
     numbers = (NUMBERED.search(name) for name in names)
     return {int(of[1]): name for of, name in zip(numbers, names, strict=True) if of}

@@ -82,7 +82,6 @@ class RodPanel:
         self.free.set_enabled(run.live.pulling is not None)
 
     def _set_scene(self, scene: Scene) -> None:
-        """Set tools to what suits another scene."""
         self.modes.hide()
         view = first_view(scene)
         if view != self._first:  # what was chosen for a rod that flies is not for one that is held

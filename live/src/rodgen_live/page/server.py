@@ -223,14 +223,10 @@ async def _forward(socket: WebSocket, waiting: asyncio.Queue[bytes]) -> None:
             await socket.send_bytes(await waiting.get())
 
 
-def _look(run: LiveRun, t: float | None) -> None:
-    run.submit(run.look_at_present if t is None else lambda: run.look_at(t))
-
-
 # By key of the answer: classes of its value, and what comes of it.
 ANSWERS: dict[str, tuple[set[type], Callable[[LiveRun, Any], object]]] = {
     "ack": ({int}, lambda run, frame: run.page.acknowledge(frame)),
-    "look": ({int, float, NoneType}, _look),
+    "look": ({int, float, NoneType}, lambda run, t: run.submit(lambda: run.look_at(t))),
     "step": ({int}, lambda run, by: run.submit(lambda: run.step_view(by))),
     "keep": ({bool}, lambda run, keeps: run.submit(lambda: run.keep_runs(keeps))),
     "branch": ({NoneType}, lambda run, _: run.submit(run.branch)),

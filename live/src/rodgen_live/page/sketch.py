@@ -111,7 +111,6 @@ def _arrow_ends(scene: Scene, term: Term, line: Points) -> tuple[complex, comple
 
 
 def _point_at(share: float, line: Points) -> tuple[complex, complex]:
-    """Point at a share of the rod, and the direction of its link."""
     link, part = link_and_share(share, len(line) - 1)
     step = line[link + 1] - line[link]
     return line[link] + part * step, _unit_vector(step)

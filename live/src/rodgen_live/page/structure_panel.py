@@ -127,7 +127,6 @@ class StructurePanel:
 
 
 def _form_and_starts(scene: Scene) -> tuple[StructureForm, dict[str, str]]:
-    """What the fields show of a scene."""
     keys = initial_labels(scene)
     return structure_form(scene), {
         key: _format_value(get_at(scene, *key.split(".")), key) for key in keys

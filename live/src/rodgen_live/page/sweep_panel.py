@@ -103,7 +103,6 @@ class SweepPanel:
         self._errand = ASIDE.submit("sweep", scene, receive, key=key, low=low, high=high, t=self._t)
 
     def _receive(self, answer: Answer, of: Diagram) -> None:
-        """Take up a part of the answer to the last request."""
         if of is not self._map or self._note.is_deleted:
             return
         part: dict[str, Any] = answer.value or {}

@@ -8,7 +8,7 @@ from typing import Any
 
 from nicegui import ui
 from nicegui.element import Element
-from nicegui.events import GenericEventArguments, ValueChangeEventArguments
+from nicegui.events import ValueChangeEventArguments
 
 from rodgen.errors import InputError
 from rodgen.scene import Scene
@@ -92,20 +92,10 @@ class SceneFile(Component, component=STATIC / "scene_file.js"):
 
     def __init__(self, chosen: Callable[[str], object], refused: Callable[[], object]) -> None:
         super().__init__(ending=ENDING, most=LARGEST)
-        self._chosen, self._pieces = chosen, list[str]()
-        self.on("piece", self._add_piece).on("refused", refused)
+        self.on("chosen", lambda event: chosen(str(event.args["text"]))).on("refused", refused)
         pick = f'() => runMethod({self.id}, "pick", [])'
         button = IconButton("folder_open", "Open a file").on("click", js_handler=pick)
         button.classes("rg-open")
-
-    def _add_piece(self, event: GenericEventArguments) -> None:
-        self._pieces.append(str(event.args["text"]))
-        if sum(map(len, self._pieces)) > LARGEST:  # no browser of ours sends that
-            self._pieces.clear()
-        elif event.args["last"]:
-            text = "".join(self._pieces)
-            self._pieces.clear()
-            self._chosen(text)
 
 
 class Toolbar:
@@ -162,7 +152,6 @@ class Toolbar:
         Keys(self._keys, held=".")
 
     def _control(self, icon: str, label: str, key: str, act: Callable[[], object]) -> IconButton:
-        """Add a button, and the key that does what it does."""
         shown = SPACE if key == " " else key
         self._keys[key], self._said[shown] = act, label
         return IconButton(icon, f"{label} ({shown})", act)
@@ -201,7 +190,6 @@ class Toolbar:
     # Scenes of the folder ----------------------------------------------------------------------
 
     def _first_file(self) -> dict[str, Scene]:
-        """File of the folder that holds the scene that the run was made of, or none."""
         scene, folder = self.page.run.undo.file, self._folder
         names = sorted(folder.names(), key=lambda name: name != scene.name)  # the likely one first
         for name in names[:MOST_COMPARED]:
@@ -218,12 +206,10 @@ class Toolbar:
 
     @property
     def _scene_file(self) -> str:
-        """File that the scene of the run was made of, or nothing."""
         scene, files = self.page.run.undo.file, self.page.run.files or {}
         return next((name for name in reversed(files) if files[name] == scene), OTHER)
 
     def _update_scenes(self, present: str) -> None:
-        """Update the list of scenes; present: name of the scene of the run."""
         loadable, shown = self._loadable_file, self._scene_file
         names = {name: name for name in sorted({*self._folder.names(), loadable} - {OTHER})}
         other = {OTHER: f"{present} (other)"} if shown == OTHER else {}
@@ -247,7 +233,7 @@ class Toolbar:
             self._load(event.value)
 
     def _reject_file(self) -> None:
-        most = f"at most {LARGEST >> 20} MiB"
+        most = f"at most {LARGEST >> 10} KiB"
         self.page.notify(f"A scene is a file of UTF-8 text that ends in {ENDING}, of {most}")
 
     def _load(self, name: str) -> None:
@@ -261,7 +247,6 @@ class Toolbar:
         self.page.start_task(self._run_file(read, lambda _: name))
 
     async def _open(self, text: str) -> None:
-        """Run the scene of a file that was opened in the browser."""
         try:
             await self._run_file(lambda: text, lambda scene: scene.name + OPENED)
         except InputError as error:
@@ -286,19 +271,15 @@ def show_shortcuts(root: Element, everywhere: Mapping[str, str]) -> None:
         for line in TO_DO:
             ui.label(line)
         for title, keys in {"The page": everywhere, **IN_FOCUS}.items():
-            with ui.element("table").classes("rg-keys"):
-                with ui.element("caption"):
-                    ui.label(title)
-                for key, does in keys.items():
-                    with ui.element("tr"):
-                        with ui.element("th").props("scope=row"), ui.element("kbd"):
-                            ui.label(key)
-                        with ui.element("td"):
-                            ui.label(does)
+            rows = (
+                f'<tr><th scope="row"><kbd>{key}</kbd></th><td>{does}</td></tr>'
+                for key, does in keys.items()
+            )
+            table = f"<caption>{title}</caption>{''.join(rows)}"
+            ui.html(table, sanitize=False, tag="table").classes("rg-keys")
 
 
 def _add_live_text(key: str, unit: str, label: str) -> None:
-    """Add a text that the channel keeps up to date."""
     with ui.element("span").classes("rg-live").props(f'role="group" aria-label="{label}"'):
         ui.element("b").props(f'data-text="{key}"')
         ui.label(unit).classes("rg-unit")

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from functools import partial
+from html import escape
 
 from nicegui import ui
 from nicegui.events import GenericEventArguments
@@ -35,38 +36,27 @@ class ValuesPanel:
 
     def __init__(self, page: PageRun):
         self.page = page
-        self._rows: object = None
-        self._box = ui.element("div").classes("rg-values")
+        self._box = ui.html(sanitize=False).classes("rg-values")
 
     def refresh(self) -> None:
         """Show the rows that the scene has now."""
-        rows = row_groups(self.page.run.live.system_with_support.scene)
-        if rows == self._rows:
-            return
-        self._rows = rows
-        self._box.clear()
-        with self._box:
-            for title, group in rows.items():
-                with ui.element("table"):
-                    with ui.element("caption"):
-                        ui.label(title)
-                    for row in group:
-                        with ui.element("tr"):
-                            _build_row(row)
-        self.page.submit(self.page.run.page.reset_texts)
-        self.page.submit(self.page.run.page.invalidate)
+        groups = row_groups(self.page.run.live.system_with_support.scene)
+        tables = "".join(
+            f"<table><caption>{title}</caption>{''.join(map(_row_html, rows))}</table>"
+            for title, rows in groups.items()
+        )
+        if tables != self._box.content:
+            self._box.set_content(tables)
+            self.page.submit(self.page.run.page.reset_texts)
+            self.page.submit(self.page.run.page.invalidate)
 
 
-def _build_row(row: TextRow) -> None:
-    """Build a row: label, value and unit, or a text over all of their columns."""
-    if not row.label:
-        ui.element("td").props(f"data-text={row.key} colspan=3").classes("rg-words")
-        return
-    with ui.element("th").props("scope=row"):
-        ui.label(row.label)
-    ui.element("td").props(f"data-text={row.key}")
-    with ui.element("td").classes("rg-unit"):
-        ui.label(row.unit)
+def _row_html(row: TextRow) -> str:
+    key, label, unit = map(escape, row)
+    if not label:
+        return f'<tr><td data-text="{key}" colspan="3" class="rg-words"></td></tr>'
+    cells = f'<td data-text="{key}"></td><td class="rg-unit">{unit}</td>'
+    return f'<tr><th scope="row">{label}</th>{cells}</tr>'
 
 
 def field_text(field: SceneField) -> str:
@@ -106,7 +96,6 @@ class Knob:
         return self.field.slider_range(self._scale)
 
     def _toggle_sweep(self) -> None:
-        """Add the sweep of a range below the slider, or remove it."""
         before, self.sweep = self.sweep, None
         if before is not None:
             before.close()

@@ -7,6 +7,7 @@ from collections.abc import Callable
 
 from rodgen.model.terms import TERMS
 from rodgen.system import System
+from rodgen_live.panel_rows import CriticalForce
 from rodgen_live.run.scene_edits import fields_of
 from rodgen_live.run.worker_process import ASIDE, Answer, PendingRequest
 
@@ -16,12 +17,10 @@ COMPUTING = "computing"
 
 
 class CriticalSearch:
-    """Critical force of a run's system. value: the force [N] for the system looked at last, or in
-    words why there is none, or None where no force follows the rod; rows, notes: those of the
-    result that it is of, as text, rows by their words; mark: the key of the number
-    that is the size of that force, and the value of it that makes the force critical, while another
-    one is computed that of the system before. do: has work done in the thread that all else is
-    called in; done: called there when the value has come."""
+    """Critical force of a run's system. found: for the system looked at last; mark: the key of the
+    number that is the size of that force, and the value of it that makes the force critical, while
+    another one is computed that of the system before. do: has work done in the thread that all else
+    is called in; done: called there when the force has come."""
 
     def __init__(
         self,
@@ -33,23 +32,21 @@ class CriticalSearch:
         self._system: System | None = None  # whose force is to be computed, or is
         self._errand: PendingRequest | None = None
         self._since = 0.0
-        self.value: float | str | None = None
-        self.rows: dict[str, str] = {}
-        self.notes: list[str] = []
+        self.found = CriticalForce()
         self.mark: tuple[str, float] | None = None
 
     def restart(self, system: System) -> None:
         """Schedule the computation for another system, if that has a critical force."""
         self.cancel()
-        self.rows, self.notes = {}, []
         following = [TERMS[name] for name in system.load_terms if TERMS[name].follows]
         if not any(term.has_size for term in following[:1]):
-            self.value = self.mark = None
+            self.found, self.mark = CriticalForce(), None
         elif system.structure.n_links > MOST_LINKS:
-            self.mark = None
-            self.value = f"not computed: more than {MOST_LINKS} links"
+            refusal = f"not computed: more than {MOST_LINKS} links"
+            self.found, self.mark = CriticalForce(refusal), None
         else:
-            self.value, self._system, self._since = COMPUTING, system, self._clock()
+            self.found = CriticalForce(COMPUTING)
+            self._system, self._since = system, self._clock()
 
     def tick(self) -> None:
         """Request the computation once the system has stayed what it is for a while."""
@@ -72,10 +69,8 @@ class CriticalSearch:
 
     def _receive(self, system: System, answer: Answer) -> None:
         if system is self._system and (answer.refused or answer.value is not None):
-            found = answer.value or {}
-            self.rows, self.notes = found.get("rows", {}), found.get("notes", [])
-            self.value = answer.refused or found["value"]
-            self.mark = None if answer.refused else critical_number(system, found["value"])
+            self.found = CriticalForce(**(answer.value or {"value": answer.refused}))
+            self.mark = None if answer.refused else critical_number(system, answer.value["value"])
             self._done()
 
 

@@ -12,13 +12,13 @@ from rodgen.loading import build_fastest
 from rodgen.scene import Scene
 from rodgen.scene.integration import IntegrationTable
 from rodgen.system import System
-from rodgen_live.open_run import FOR_LOOKING, Live, LiveError, Samples
+from rodgen_live.open_run import FOR_LOOKING, Live, LiveError
 from rodgen_live.plot_quantities import Catalogue
 from rodgen_live.run.change_history import ChangeMarks, Undo
 from rodgen_live.run.pulling import PulledRun
 from rodgen_live.run.run_record import PAUSED, RUNNING, STOPPED
 from rodgen_live.run.run_thread import FRAME
-from rodgen_live.sample_store import SampleStore
+from rodgen_live.sample_store import Chunk, SampleStore
 
 SLICE = 0.012  # seconds of a frame, for steps
 
@@ -33,9 +33,9 @@ class LiveRun(PulledRun):
     has shown it.
     """
 
-    def __init__(self, system: System | Scene, told: Callable[[], None] = lambda: None):
+    def __init__(self, system: System | Scene):
         """Load the module of the system, which should be in the cache, and start the thread."""
-        super().__init__(told)
+        super().__init__()
         self.taken = 0
         self.strict = self.greeted = False
         self.files: dict[str, Scene] | None = None
@@ -66,7 +66,7 @@ class LiveRun(PulledRun):
         most = self.live.t + 1000 * self.live.every  # samples, where it goes as fast as it can
         to = min(self.pace.target(), most)
         if not self._take_samples(lambda: self.live.advance(to, SLICE)):
-            self._sample_now()  # steps are slow: the picture moves on between samples
+            self.shown = self.live.here()  # steps are slow: the picture moves on between samples
             self.page.invalidate_picture()
         now = float(self.shown.t[-1])
         self.pace.record(now)
@@ -82,7 +82,7 @@ class LiveRun(PulledRun):
             with suppress(InputError):
                 self.roughen(True)
 
-    def _take_samples(self, steps: Callable[[], Samples]) -> int:
+    def _take_samples(self, steps: Callable[[], Chunk]) -> int:
         """Take steps and record their samples; returns how many there are. A failure stops it."""
         before, failure = time.thread_time(), ""
         try:
@@ -92,8 +92,8 @@ class LiveRun(PulledRun):
         self.pace.add_cost(time.thread_time() - before)
         self._record(samples)
         if failure:
-            self._stop(failure)
-        return len(samples.t)
+            self.stop(failure)
+        return len(samples)
 
     # What can be asked of it: in its thread ----------------------------------------------------
 
@@ -122,15 +122,14 @@ class LiveRun(PulledRun):
         live = self.live
         self.begun += 1
         self.repeats, self.goes_round = self.goes_round, self.loops
-        self.store = SampleStore(live.states, live.works, live.energy_start, live.raised_start)
-        self.store.set_parameters(live.p, live.given)
+        self.store = SampleStore()
         self.marks, self.past, self.whole = ChangeMarks(), None, None
         self.undo.drop_marks()
         if self.status != RUNNING:
             self.status = PAUSED
         self.message = ""
         self.page.resend(self)
-        self._sample_now()
+        self.shown = live.here()
         self._take_samples(lambda: live.advance(live.system.settings.span[0], 0.0))
         if not self.store.count:  # it begins amid another
             self._record(live.here())
@@ -156,7 +155,7 @@ class LiveRun(PulledRun):
         """Keep this run, and begin another from the state that the page looks at."""
         sample, self.keeps = self.page_sample, True
         self._keep_ghost()
-        self.live.go_back(Samples(sample.t, sample.y, sample.work), sample.p, sample.given)
+        self.live.go_back(sample)
         self._begin()
         self.marks.note(float(sample.t[-1]), "begun from a state of the run before")
 
@@ -184,7 +183,7 @@ class LiveRun(PulledRun):
             self.warnings = self.live.warnings()
             self.strict = False
         if moved:
-            self._begin_chunk(what)
+            self._note_change(what)
             self._rebuild_plots()
             self.critical.restart(self.live.system)
         self._clear_stop()
@@ -196,7 +195,7 @@ class LiveRun(PulledRun):
         self.strict = not on
         used = self.live.settings
         self.warnings = self.live.warnings()
-        self._begin_chunk(f"{used.method} at rtol {used.rtol:g}{' for looking' * on}", same=True)
+        self._note_change(f"{used.method} at rtol {used.rtol:g}{' for looking' * on}", same=True)
         self._restart_clock()
         self._notify_page()
 
@@ -208,7 +207,6 @@ class LiveRun(PulledRun):
         self._notify_page()
 
     def _match_samples(self) -> None:
-        """Take samples as often as settings and speed need them."""
         every = self._sample_interval(self.live.system.settings)
         if not math.isclose(every, self.live.every):
             self.live.sample_every(every)

@@ -47,9 +47,9 @@ LARGEST = 1e30  # of what is drawn: beyond, single precision ends
 
 
 def rod_arrays(model: ModuleType, chunk: Chunk) -> tuple[list[float], list[Named]]:
-    """Origin [m], and arrays that draw the rod at the last sample: joints and centre of gravity
-    relative to the origin, rates, angle of the principal axis, gravity, moments, axial and shear
-    forces in the joints that have them, forces on the joints by load."""
+    """Origin [m], and arrays that draw the rod at the last sample: joints relative to the origin,
+    rates, moments, axial and shear forces in the joints that have them, forces on the joints by
+    load; "point": centre of gravity relative to the origin, angle of a principal axis, gravity."""
     t, y, p = chunk.t[-1], chunk.y[-1], chunk.p
     gravity = p[model.PARAMETERS.index("gravity")] if "gravity" in model.PARAMETERS else 0.0
     with np.errstate(all="ignore"):  # a state may have stopped being finite

@@ -14,7 +14,6 @@ from rodgen_live.run.plot_spec import PlotSpec, title_of
 from rodgen_live.run.sample_curves import (
     MOST_ROWS,
     PoincareSection,
-    SectionCondition,
     Window,
     spectrum,
     thin,
@@ -74,8 +73,7 @@ class Plot:
         """Forget all samples, as before the first chunk."""
         self._window, spec = Window(self.spec.window), self.spec
         period = PERIODS.get(spec.when, 0.0)
-        condition = SectionCondition(spec.value, spec.direction, spec.every, period)
-        self._section = PoincareSection(condition)
+        self._section = PoincareSection(spec.value, spec.direction, spec.every, period)
         self._before: Chunk | None = None
         self._due, self.owes = -np.inf, False
 
@@ -97,7 +95,7 @@ class Plot:
                 beside.values(self.names, self.catalogue, rows[:, 0]) if beside else np.nan
             )
         elif kind == "poincare":
-            joined = self._before is None or _is_smooth(self._before, chunk)
+            joined = self._before is None or chunk.goes_on_from(self._before)
             self._before = chunk.last()
             rows = self._section.feed(rows, joined)
         return rows if len(rows) else None
@@ -209,9 +207,3 @@ class Plot:
             case "difference":
                 y = (f"difference of {y[0]}" if y[0] else "", y[1])
         return ("t", "s"), y
-
-
-def _is_smooth(before: Chunk, after: Chunk) -> bool:
-    """Whether neither a change nor a kick lies between two chunks."""
-    same = before.p is after.p or np.array_equal(before.p, after.p)
-    return same and (before.given, before.start) == (after.given, after.start)

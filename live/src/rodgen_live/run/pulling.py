@@ -5,10 +5,8 @@ from __future__ import annotations
 from dataclasses import replace
 
 from rodgen.loading import build_fastest
-from rodgen.model.terms import PULL
 from rodgen.scene import Structure
 from rodgen.system import System
-from rodgen_live.grid_recorder import Samples
 from rodgen_live.plot_quantities import Catalogue
 from rodgen_live.pull import Pull, widen_parameters, with_idle_support
 from rodgen_live.run.change_history import ChangeMark
@@ -38,15 +36,14 @@ class PulledRun(RunRecord):
         self.store = self.store.widen(
             live.works, lambda p: widen_parameters(p, here, wanted.structure, live.p)
         )
-        self.store.set_parameters(live.p, live.given)
         self.whole = None
-        self.catalogue = Catalogue(wanted, self.model, (PULL,))
+        self.catalogue = Catalogue(wanted, self.model)
         self.plots = {name: Plot(one.spec, self.catalogue) for name, one in self.plots.items()}
         if self.past is not None:
             self.past = self.store.nearest(float(self.past.t[-1]))
         for plot in self.plots.values():
             plot.beside = self.ghost
-        self._sample_now()
+        self.shown = live.here()
         self.page.reset_texts()
         self.page.resend(self)
         self._notify_page()
@@ -56,8 +53,8 @@ class PulledRun(RunRecord):
         """Go back to the last sample before a kick or a pull; what came after it is forgotten."""
         sample = self.store.truncate(mark.t)
         self.marks.drop_from(mark)
-        self.live.go_back(Samples(sample.t, sample.y, sample.work), sample.p, sample.given)
-        self._begin_chunk("")
+        self.live.go_back(sample)
+        self._note_change("")
         self.page.resend(self)
         self._restart_clock()
         self._clear_stop()
@@ -65,7 +62,7 @@ class PulledRun(RunRecord):
     def kick(self, link: int, share: float, impulse: tuple[float, float]) -> None:
         """Kick a link by an impulse [N s]."""
         self.live.kick(link, share, impulse)
-        self._begin_chunk(f"kick ({impulse[0]:.4g}, {impulse[1]:.4g}) N s upon link {link}")
+        self._note_change(f"kick ({impulse[0]:.4g}, {impulse[1]:.4g}) N s upon link {link}")
         self.undo.note_mark(self.live.system, self.marks.every[-1])
         self._clear_stop()
 
@@ -73,7 +70,7 @@ class PulledRun(RunRecord):
         """Pull the rod from here on, by a module that allows it. Raises InputError."""
         self._to = None
         self.live.pull(pull)
-        self._begin_chunk(f"pull at link {pull.link} by {pull.stiffness:.4g} N/m")
+        self._note_change(f"pull at link {pull.link} by {pull.stiffness:.4g} N/m")
         self.undo.note_mark(self.live.system, self.marks.every[-1])
         self._clear_stop()
 
@@ -86,7 +83,7 @@ class PulledRun(RunRecord):
         if self.live.pulling is not None:
             self._follow_hand()
             self.live.pull(None)
-            self._begin_chunk("pull ends")
+            self._note_change("pull ends")
             self._notify_page()
 
     def _follow_hand(self) -> None:
@@ -95,5 +92,5 @@ class PulledRun(RunRecord):
         now = self.live.pulling
         if now is not None and to is not None and to != now.to:
             self.live.pull(replace(now, to=to))
-            self._begin_chunk("")
+            self._note_change("")
             self.page.invalidate_picture()

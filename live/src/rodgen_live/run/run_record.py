@@ -12,7 +12,6 @@ import numpy as np
 from rodgen.errors import InputError
 from rodgen.integrate.solution import Solution
 from rodgen.integrate.stepper import FAILED, FINISHED, Stats
-from rodgen_live.grid_recorder import Samples
 from rodgen_live.panel_rows import RunStatus
 from rodgen_live.plot_quantities import Catalogue
 from rodgen_live.run.change_history import Undo
@@ -42,9 +41,10 @@ class RunRecord(RunThread, ShownRun):
     undo: Undo
     unplotted: tuple[str, ...] = ()  # what plots showed and the rod that came last does not have
 
-    def __init__(self, told: Callable[[], None]):
+    def __init__(self) -> None:
         super().__init__()
-        self.told, self.page = told, PageState()
+        self.told: Callable[[], None] = lambda: None
+        self.page = PageState()
         self.status, self.message = PAUSED, ""
         self.plots = {}
         self._numbers = itertools.count(1)  # of plots to come
@@ -59,10 +59,6 @@ class RunRecord(RunThread, ShownRun):
         """Send the page a message about the run, if one is due."""
         self.page.show(self)
 
-    def report_failure(self, message: str) -> None:
-        """Stop the run after a defect, with a message for the page."""
-        self._stop(message)
-
     @property
     def is_unusable(self) -> bool:
         """Whether the state is of no further use: it has grown too far, or its energy has come from
@@ -74,14 +70,14 @@ class RunRecord(RunThread, ShownRun):
             kept = abs(parts.sum()) <= MADE * np.abs(parts).sum()
         return not (kept and np.abs(here.y[-1]).max(initial=0.0) <= BEYOND * start)
 
-    def _record(self, samples: Samples) -> None:
-        if not len(samples.t):
-            return
-        chunk = self.store.add(samples)
-        self.shown = chunk.last()
-        self.page.add_samples(self, chunk)
+    def _record(self, chunk: Chunk) -> None:
+        if len(chunk):
+            self.store.add(chunk)
+            self.shown = chunk.last()
+            self.page.add_samples(self, chunk)
 
-    def _stop(self, message: str) -> None:
+    def stop(self, message: str) -> None:
+        """Stop the run, with a message for the page."""
         self.status, self.message = STOPPED, message
         self._notify_page()
 
@@ -89,12 +85,6 @@ class RunRecord(RunThread, ShownRun):
         """Tell the page that something other than the picture has changed."""
         self.page.invalidate()
         self.told()
-
-    def _sample_now(self) -> None:
-        """Take the present state as the sample to show, after something has changed it."""
-        live, (t, y, work) = self.live, self.live.here()
-        start = live.energy_start, live.raised_start
-        self.shown = Chunk(t, y, work, live.works, live.p, live.given, *start)
 
     def _restart_clock(self) -> None:
         self.pace.start(float(self.shown.t[-1]))
@@ -105,20 +95,20 @@ class RunRecord(RunThread, ShownRun):
             self.status, self.message = PAUSED, ""
         self._notify_page()
 
-    def _begin_chunk(self, what: str, same: bool = False) -> None:
-        """Begin a new piece of samples; same: of the same motion, which a loop goes on with."""
+    def _note_change(self, what: str, same: bool = False) -> None:
+        """Show what a change has made; same: of the same motion, which a loop goes on with."""
         self.goes_round &= same
         self.past = None
         if what:
             self.marks.note(self.live.t, what)
-        self.store.set_parameters(self.live.p, self.live.given)
-        self._sample_now()
+        self.shown = self.live.here()
 
     # Looking back ------------------------------------------------------------------------------
 
-    def look_at(self, t: float) -> None:
-        """Show the page the sample nearest to a time [s]; the run itself goes on."""
-        self.past = self.store.nearest(t)
+    def look_at(self, t: float | None) -> None:
+        """Show the page the sample nearest to a time [s], or the present if None; the run itself
+        goes on."""
+        self.past = None if t is None else self.store.nearest(t)
         self.page.invalidate()
 
     def step_view(self, by: int) -> None:
@@ -126,11 +116,6 @@ class RunRecord(RunThread, ShownRun):
         is the present."""
         found = self.store.nearest(float(self.page_sample.t[-1]), by)
         self.past = found if found.t[-1] < self.store.span[1] else None
-        self.page.invalidate()
-
-    def look_at_present(self) -> None:
-        """Show the page the present again."""
-        self.past = None
         self.page.invalidate()
 
     # Plots, and the run to compare with --------------------------------------------------------
@@ -247,7 +232,5 @@ class RunRecord(RunThread, ShownRun):
             seconds=live.seconds,
             ratio=self.pace.ratio if self.status == RUNNING else None,
             settings=live.settings,
-            critical=self.critical.value,
-            critical_rows=self.critical.rows,
-            critical_notes=self.critical.notes,
+            critical=self.critical.found,
         )

@@ -19,8 +19,8 @@ T = TypeVar("T")
 class RunThread:
     """A thread that works in frames: the work handed in by `submit`, then `do_frame` and `show`.
 
-    is_busy: whether frames follow each other; else the thread sleeps until something comes;
-    report_failure: told of a defect in a frame, in words.
+    is_busy: whether frames follow each other; else the thread sleeps until something comes; stop:
+    told of a defect in a frame, in words.
     """
 
     def __init__(self) -> None:
@@ -41,7 +41,7 @@ class RunThread:
 
     def show(self) -> None: ...
 
-    def report_failure(self, message: str) -> None: ...
+    def stop(self, message: str) -> None: ...
 
     def submit(self, work: Callable[[], T]) -> Future[T]:
         """Have the thread do something between two frames."""
@@ -97,7 +97,7 @@ class RunThread:
                 return
             self._faults[work.__name__] = repr(error)
             traceback.print_exc()
-            self.report_failure(f"rodgen has failed: {error!r}")
+            self.stop(f"rodgen has failed: {error!r}")
 
 
 LAG = 0.1  # seconds behind the clock from which a run that cannot keep up is let off

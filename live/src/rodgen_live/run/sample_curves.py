@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from typing import TypeVar
 
 import numpy as np
@@ -11,7 +10,6 @@ import numpy as np
 from rodgen.arrays import Array
 
 Values = TypeVar("Values", float, Array)
-HALVINGS = 60  # more than a double has bits
 MOST_ROWS = 5000  # of a plot
 # Of spectra:
 LEAST, MOST = 16, 1 << 14  # samples of the window
@@ -43,22 +41,6 @@ def resample(t: Array, values: Array, times: Array) -> Array:
     first = np.clip(np.searchsorted(t, times, side="right") - 2, 0, len(t) - 4)
     four = [first + i for i in range(4)]
     return lagrange([t[i] for i in four], [values[i] for i in four], times)
-
-
-def crossing_time(
-    t: Sequence[float], values: Sequence[float], level: float, low: int, high: int
-) -> float:
-    """Time at which the polynomial through all samples reaches a level, by bisection between two of
-    them, given by number; these two are on either side of the level, or at it."""
-    below, above = t[low], t[high]
-    rises = values[low] < values[high]
-    for _ in range(HALVINGS):
-        middle = (below + above) / 2
-        if (lagrange(t, values, middle) < level) == rises:
-            below = middle
-        else:
-            above = middle
-    return above
 
 
 def thin(rows: Array, most: int = MOST_ROWS) -> Array:
@@ -147,17 +129,52 @@ def _thin_peaks(f: Array, amplitudes: Array) -> Array:
     return np.stack((f[best], amplitudes[best]), axis=1)
 
 
-@dataclass(frozen=True)
-class SectionCondition:
-    """Condition of a section: c reaches value + k every (k whole; 0: value alone) rising, falling
-    or either way. A jump of c by more than half of ``period``, where it has one, is no crossing."""
+class PoincareSection:
+    """Poincaré section: the points at which a quantity c reaches value + k every (k whole; 0: value
+    alone), rising, falling or either way, found as samples come. Every 0.5 s of "t" is a
+    stroboscope. A jump of c by more than half of ``period``, where it has one, is no crossing.
 
-    value: float
-    direction: str = "rising"
-    every: float = 0.0
-    period: float = 0.0
+    c crosses between two samples. The instant is that at which the polynomial through the
+    samples around has the value, and x and y are taken from polynomials there: cubics through two
+    samples on either side, an error of the fourth power of the sampling interval, as soon as the
+    second sample after the crossing is there. Next to a change of a parameter or a kick, which
+    samples must not be joined across, it is a parabola or a line, an error of the third or second
+    power.
+    """
 
-    def levels(self, before: Array, after: Array) -> Array:
+    def __init__(self, value: float, direction: str, every: float, period: float):
+        self.value, self.direction, self.every, self.period = value, direction, every, period
+        self.reset()
+
+    def reset(self) -> None:
+        """Forget the samples so far."""
+        self._rows = np.zeros((0, 5))  # t, x, y, c, and the number of the piece
+        self._piece = 0
+        self._done = 0  # intervals between these rows that have been looked at
+
+    def feed(self, rows: Array, joined: bool) -> Array:
+        """Add samples (K, 4) of t, x, y, c; returns the points (P, 3) of t, x, y found with them.
+        joined: whether the motion is smooth from the sample before to the first of them."""
+        if not len(rows):
+            return np.zeros((0, 3))
+        if len(self._rows) and rows[0, 0] < self._rows[-1, 0]:  # the run has started again
+            self.reset()
+        self._piece += not joined
+        number = np.full((len(rows), 1), float(self._piece))
+        self._rows = np.concatenate((self._rows, np.concatenate((rows, number), axis=1)))
+        c = self._rows[self._done : len(self._rows) - 1, 3]
+        with np.errstate(all="ignore"):  # of what is not finite, which crosses nothing
+            levels = self._levels(c[:-1], c[1:])
+        points = [
+            self._crossing_point(self._done + i, float(levels[i]))
+            for i in np.flatnonzero(np.isfinite(levels)).tolist()
+        ]
+        self._done = max(self._done, len(self._rows) - 2)
+        drop = max(0, self._done - 1)  # the sample before the next interval is still needed
+        self._rows, self._done = self._rows[drop:], self._done - drop
+        return np.array(points).reshape(-1, 3)
+
+    def _levels(self, before: Array, after: Array) -> Array:
         """Levels that are reached between samples and the next, (N,); not-a-number where none is. A
         sample on a level leaves it, which is no crossing."""
         (below, risen), (above, fallen) = (
@@ -180,58 +197,16 @@ class SectionCondition:
         number: Array = rounded(k)
         return number
 
-
-class PoincareSection:
-    """Poincaré section: the points at which a condition is met, found as samples come.
-
-    A quantity c crosses a value (or the value plus any whole number of periods: "t" every 0.5 s is
-    a stroboscope) between two samples. The instant is that at which the polynomial through the
-    samples around has the value, and x and y are taken from polynomials there: cubics through two
-    samples on either side, an error of the fourth power of the sampling interval, as soon as the
-    second sample after the crossing is there. Next to a change of a parameter or a kick, which
-    samples must not be joined across, it is a parabola or a line, an error of the third or second
-    power.
-    """
-
-    def __init__(self, condition: SectionCondition):
-        self.condition = condition
-        self.reset()
-
-    def reset(self) -> None:
-        """Forget the samples so far."""
-        self._rows = np.zeros((0, 5))  # t, x, y, c, and the number of the piece
-        self._piece = 0
-        self._done = 0  # intervals between these rows that have been looked at
-
-    def feed(self, rows: Array, joined: bool) -> Array:
-        """Add samples (K, 4) of t, x, y, c; returns the points (P, 3) of t, x, y found with them.
-        joined: whether the motion is smooth from the sample before to the first of them."""
-        if not len(rows):
-            return np.zeros((0, 3))
-        if len(self._rows) and rows[0, 0] < self._rows[-1, 0]:  # the run has started again
-            self.reset()
-        self._piece += not joined
-        number = np.full((len(rows), 1), float(self._piece))
-        self._rows = np.concatenate((self._rows, np.concatenate((rows, number), axis=1)))
-        c = self._rows[self._done : len(self._rows) - 1, 3]
-        with np.errstate(all="ignore"):  # of what is not finite, which crosses nothing
-            levels = self.condition.levels(c[:-1], c[1:])
-        points = [
-            self._crossing_point(self._done + i, float(levels[i]))
-            for i in np.flatnonzero(np.isfinite(levels)).tolist()
-        ]
-        self._done = max(self._done, len(self._rows) - 2)
-        drop = max(0, self._done - 1)  # the sample before the next interval is still needed
-        self._rows, self._done = self._rows[drop:], self._done - drop
-        return np.array(points).reshape(-1, 3)
-
     def _crossing_point(self, i: int, level: float) -> tuple[float, float, float]:
-        """Point of the section between sample i and the next."""
+        from scipy.optimize import brentq
+
         low, rows = self._neighbours(i)
         # From the first of them on, lest a run of long ago be short of digits.
         start = float(rows[0, 0])
-        t, x, y, c = (rows - [start, 0.0, 0.0, 0.0]).T.tolist()
-        at = crossing_time(t, c, level, low, low + 1)
+        t, x, y, c = (rows - [start, 0.0, 0.0, level]).T.tolist()
+        at = t[min(low, low + 1, key=lambda k: abs(c[k]))]  # at the level but for rounding, unless
+        if c[low] * c[low + 1] < 0:
+            at = brentq(lambda at: lagrange(t, c, at), t[low], t[low + 1], xtol=1e-15)
         return start + at, lagrange(t, x, at), lagrange(t, y, at)
 
     def _neighbours(self, i: int) -> tuple[int, Array]:

@@ -32,7 +32,8 @@ from rodgen.scene.mesh import mesh_dependent_values, refined_tables
 from rodgen.scene.plain_tables import get_at
 from rodgen.scene.structure import check_choice, check_links
 
-LARGEST = 2**20  # bytes of a scene that comes from a browser
+# Bytes of a scene that comes from a browser; a message of its connection has at most a million.
+LARGEST = 2**19
 MOST_LISTED = 12  # of the numbers of a list or a text that can be moved one by one
 ROUNDING = 1e-12  # of the length
 SHAPES = ("phi", "omega")  # initial values of which each link may have its own
@@ -223,7 +224,8 @@ def reshape(scene: Scene, form: StructureForm, starts: Mapping[str, Any]) -> Sce
     rod = table["rod"]
     for key, count in (("bending_stiffness", form.links + 1), ("mass_per_length", form.links)):
         if isinstance(rod.get(key), list):
-            rod[key] = _resample(rod[key], count)
+            places, known = (np.linspace(0.0, 1.0, size) for size in (count, len(rod[key])))
+            rod[key] = np.interp(places, known, rod[key]).tolist()
     rod |= {"links": form.links, "boundary": form.boundary, "inertia": form.inertia}
     other = (form.links, form.boundary) != (scene.rod.links, scene.rod.boundary)
     if not boundary.is_clamped:
@@ -253,12 +255,6 @@ def conversions(scene: Scene, links: int) -> str:
     if ratio == 1.0 or not changes:
         return ""
     return f"Converted, so that {links} links are the same rod: {', '.join(changes)}."
-
-
-def _resample(values: list[float], count: int) -> list[float]:
-    wanted, known = (np.linspace(0.0, 1.0, size) for size in (count, len(values)))
-    found: list[float] = np.interp(wanted, known, values).tolist()
-    return found
 
 
 def _switch_term(tables: dict[str, Any], term: Term, on: bool, other: bool) -> None:

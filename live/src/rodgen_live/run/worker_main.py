@@ -4,14 +4,12 @@ from __future__ import annotations
 
 import json
 import os
-import queue
 import sys
-import threading
 import traceback
 from collections.abc import Callable, Iterator
 from contextlib import suppress
 from types import ModuleType
-from typing import Any, NamedTuple, TextIO
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -29,9 +27,9 @@ STILL = 1e-7  # of the largest modulus: an imaginary part below it is rounding
 NUDGE = 1e-6  # rad, of the differences by which shapes are drawn: errors are its square
 GROWS = 1e-6  # 1/s over Hz: below, growth is rounding
 POLITE = 10  # how far it stands back behind the run and the browser
+MOST_BEGUN = 100  # computations: of those that are cancelled nobody hears
 
 Work = Iterator[Any]
-Requests = queue.SimpleQueue[dict[str, Any] | None]
 
 
 def critical_force(scene: Scene) -> Work:
@@ -113,49 +111,30 @@ WORKS: dict[str, Callable[..., Work]] = {
 }
 
 
-class RequestQueue:
-    """Requests under way, by their numbers."""
+class Works:
+    """Computations that were begun last, by numbers."""
 
-    def __init__(self, answer: Callable[..., object]):
-        self._answer = answer
-        self._works: dict[int, Work] = {}
+    def __init__(self) -> None:
+        self._begun: dict[int, Work] = {}
 
-    def __len__(self) -> int:
-        return len(self._works)
-
-    def accept(self, request: dict[str, Any]) -> None:
-        """Start a request, or cancel the one of that number."""
-        number = request["number"]
-        self._works.pop(number, None)
-        if "what" in request:
-            self._works[number] = _compute(**request)
-
-    def advance(self) -> None:
-        """Compute and answer a part of the request that has waited longest."""
-        number, work = next(iter(self._works.items()))
-        del self._works[number]
+    def answer(self, number: int, **asked: Any) -> dict[str, Any]:
+        """Answer with the next part of a computation, which is begun if it is asked for what."""
+        if asked:
+            self._begun[number] = _compute(**asked)
+            self._begun = dict(list(self._begun.items())[-MOST_BEGUN:])
         try:
             with collect_doubts():  # nobody reads what is printed here
-                value = next(work, None)
+                value = next(self._begun[number], None)
+            return {"value": value, "last": value is None}
         except (AnalysisError, InputError) as error:
-            self._answer(number, refused=str(error), last=True)
+            return {"refused": str(error), "last": True}
         except Exception as error:  # a defect: whoever waits is told
             traceback.print_exc()
-            self._answer(number, refused=f"rodgen has failed: {error!r}", last=True)
-        else:
-            self._answer(number, value=value, last=value is None)
-            if value is not None:
-                self._works[number] = work
+            return {"refused": f"rodgen has failed: {error!r}", "last": True}
 
 
-def _compute(number: int, what: str, scene: dict[str, Any], more: dict[str, Any]) -> Work:
+def _compute(what: str, scene: dict[str, Any], more: dict[str, Any]) -> Work:
     yield from WORKS[what](Scene.from_dict(scene), **more)
-
-
-def _read_requests(lines: TextIO, requests: Requests) -> None:
-    for line in lines:
-        requests.put(json.loads(line))
-    requests.put(None)
 
 
 def main() -> None:
@@ -164,21 +143,10 @@ def main() -> None:
         os.nice(POLITE)
     # What analyses print is no answer; and where they fork, the child would wait for who reads.
     answers, sys.stdout = sys.stdout, sys.stderr
-    lines, sys.stdin = sys.stdin, None
-
-    def write(number: int, **answer: Any) -> None:
-        print(json.dumps({"number": number, **answer}), file=answers, flush=True)
-
-    requests: Requests = queue.SimpleQueue()
-    threading.Thread(target=_read_requests, args=(lines, requests), daemon=True).start()
-    works = RequestQueue(write)
-    while True:
-        while not (len(works) and requests.empty()):
-            request = requests.get()
-            if request is None:
-                return
-            works.accept(request)
-        works.advance()
+    requests, sys.stdin = sys.stdin, None
+    works = Works()
+    for request in requests:
+        print(json.dumps(works.answer(**json.loads(request))), file=answers, flush=True)
 
 
 if __name__ == "__main__":

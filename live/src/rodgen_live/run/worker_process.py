@@ -2,21 +2,20 @@
 
     python -m rodgen_live.run.worker_main
 
-It reads requests, a line of JSON each, and writes answers likewise.
+It reads requests, a line of JSON each, and answers each with a line.
 """
 
 from __future__ import annotations
 
 import atexit
-import itertools
 import json
 import os
+import queue
 import subprocess
 import sys
 import threading
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from contextlib import suppress
-from dataclasses import dataclass
 from typing import Any, NamedTuple
 
 from rodgen.scene import Scene
@@ -35,19 +34,23 @@ class Answer(NamedTuple):
     last: bool = False
 
 
+LOST = Answer(refused="the process that computes it has ended", last=True)
 Told = Callable[[Answer], object]
 
 
-@dataclass(frozen=True)
 class PendingRequest:
-    """A computation that the worker process has been asked for."""
+    """A computation that the worker process has been asked for; process: the one that has begun
+    it."""
 
-    aside: WorkerProcess
-    number: int
+    is_cancelled = False
+    process: subprocess.Popen[bytes] | None = None
+
+    def __init__(self, content: dict[str, Any], told: Told):
+        self.content, self.told = content, told
 
     def cancel(self) -> None:
         """Cancel the computation: no more answers are told."""
-        self.aside.cancel(self.number)
+        self.is_cancelled = True
 
 
 def end_process(process: subprocess.Popen[bytes]) -> None:
@@ -63,80 +66,71 @@ def end_process(process: subprocess.Popen[bytes]) -> None:
 class WorkerProcess:
     """The worker process, started with the first request, and again where it has died.
 
-    Requests may come from any thread; answers are told in one of its own.
+    Requests may come from any thread; a part of each is asked for in turn, in a thread of its own,
+    which tells the answers.
     """
 
     def __init__(self) -> None:
-        self._lock = threading.Lock()
-        self._numbers = itertools.count(1)
-        self._told: dict[int, Told] = {}
+        self._requests = queue.SimpleQueue[PendingRequest]()
         self._process: subprocess.Popen[bytes] | None = None
+        self._is_closed = False
+        self._thread = threading.Thread(target=self._serve, name="rodgen-aside", daemon=True)
+        self._starts = threading.Lock()
 
     def submit(self, what: str, scene: Scene, told: Told, **more: Any) -> PendingRequest:
         """Request a computation of a scene, by its name in `worker_main.WORKS`."""
-        table = scene.to_dict()
-        with self._lock:
-            number = next(self._numbers)
-            self._told[number] = told
-            self._send({"number": number, "what": what, "scene": table, "more": more})
-        return PendingRequest(self, number)
-
-    def cancel(self, number: int) -> None:
-        """Cancel a request."""
-        with self._lock:
-            if self._told.pop(number, None) is not None:
-                self._send({"number": number})
+        content = {"what": what, "scene": scene.to_dict(), "more": more}
+        request = PendingRequest(content, told)
+        self._requests.put(request)
+        with self._starts:
+            if self._thread.ident is None:
+                self._thread.start()
+        return request
 
     def close(self) -> None:
         """End the process."""
-        with self._lock:
-            process, self._process = self._process, None
-            self._told.clear()
-        if process is not None:
-            end_process(process)
+        self._is_closed = True
+        if self._process is not None:
+            with self._process:
+                end_process(self._process)
 
-    def _send(self, request: Mapping[str, Any]) -> None:
-        if self._process is None:
-            self._process = self._start()
-        assert self._process.stdin is not None
-        with suppress(OSError):  # it has died, which its listener will see
-            self._process.stdin.write(json.dumps(request).encode() + b"\n")
-            self._process.stdin.flush()
+    def _serve(self) -> None:
+        while not self._is_closed:
+            request = self._requests.get()
+            answer = None if request.is_cancelled else self._ask(request)
+            if answer is None or request.is_cancelled or self._is_closed:
+                continue
+            request.told(answer)
+            if not answer.last:
+                self._requests.put(request)
 
-    def _start(self) -> subprocess.Popen[bytes]:
-        process = subprocess.Popen(
-            [sys.executable, "-P", "-m", "rodgen_live.run.worker_main"],
-            stdin=subprocess.PIPE,
-            stdout=subprocess.PIPE,
-            env={**os.environ, **ALONE},
-            start_new_session=True,  # Ctrl-C is for the server, which ends it
-        )
-        threading.Thread(
-            target=self._listen, args=(process,), name="rodgen-aside", daemon=True
-        ).start()
-        return process
-
-    def _listen(self, process: subprocess.Popen[bytes]) -> None:
-        """Tell the answers of a process until it ends, then refuse the requests that are left."""
+    def _ask(self, request: PendingRequest) -> Answer:
+        """Ask for the first part of a computation, or for the next one."""
+        if self._process is None or self._process.poll() is not None:
+            self._process = _start_process()
+        sent = {"number": id(request)} | ({} if request.process else request.content)
+        if request.process not in (None, self._process):
+            return LOST
+        process = request.process = self._process
+        assert process.stdin is not None
+        assert process.stdout is not None
+        with suppress(OSError):  # it may have died, and then has no answer
+            process.stdin.write(json.dumps(sent).encode() + b"\n")
+            process.stdin.flush()
+        if line := process.stdout.readline():
+            return Answer(**json.loads(line))
         with process:
-            assert process.stdout is not None
-            for line in process.stdout:
-                found = json.loads(line)
-                self._deliver(found.pop("number"), Answer(**found))
-        with self._lock:
-            if self._process is not process:
-                return
-            self._process, lost = None, list(self._told)
-        for number in lost:
-            self._deliver(
-                number, Answer(refused="the process that computes it has ended", last=True)
-            )
+            return LOST
 
-    def _deliver(self, number: int, answer: Answer) -> None:
-        with self._lock:
-            told = self._told.pop(number, None) if answer.last else self._told.get(number)
-        if told is not None:
-            told(answer)
+
+def _start_process() -> subprocess.Popen[bytes]:
+    return subprocess.Popen(
+        [sys.executable, "-P", "-m", "rodgen_live.run.worker_main"],
+        stdin=subprocess.PIPE,
+        stdout=subprocess.PIPE,
+        env={**os.environ, **ALONE},
+        start_new_session=True,  # Ctrl-C is for the server, which ends it
+    )
 
 
 ASIDE = WorkerProcess()  # of this process

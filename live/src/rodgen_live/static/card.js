@@ -13,6 +13,7 @@ export class Card {
   drawn = -Infinity; // when, in milliseconds
   draws = 0;
   cost = 0; // of a drawing, in milliseconds
+  swept = null; // values that are marked in a sweep
 
   // `plots`: the component that it is a part of.
   constructor(spec, plots) {
@@ -129,10 +130,10 @@ export class Card {
 
   draw(now) {
     const begin = performance.now();
-    const { kind, id } = this.spec;
+    const { kind } = this.spec;
     this.marks = hub.past.marks;
     const changes = kind === "time" ? this.marks.map(([t]) => t) : [];
-    this.chart.draw({ ...this.curves.now(now), marks: this.plots.marks.get(id) ?? changes });
+    this.chart.draw({ ...this.curves.now(now), marks: this.swept ?? changes });
     this.gestures.tell();
     Object.assign(this, { dirty: false, drawn: now });
     this.draws += 1;

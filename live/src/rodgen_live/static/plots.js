@@ -57,7 +57,6 @@ export default {
     this.cards = new Map();
     this.early = new Map(); // what is to be done by cards that are not there yet, by plot
     this.pointed = null; // the time of some plot that a pointer is at [s]
-    this.marks = new Map(); // values that are marked in sweeps, by plot
     this.queue = new Queue();
     this.shade = dark();
     hub.painters.add(this);
@@ -154,8 +153,10 @@ export default {
     },
     // Rows of a sweep, of which null is no number.
     sweep(id, rows, marks) {
-      this.marks.set(id, marks);
-      this.take(id, rows.map((one) => one ?? NaN), true);
+      this.tell(id, (card) => {
+        card.swept = marks;
+        card.take(rows.map((one) => one ?? NaN), true);
+      });
       hub.repaint();
     },
     remove(id) {
