@@ -9,7 +9,7 @@ from typing import Any
 import typer
 from sphinx.application import Sphinx
 
-from rodgen.cli.app import app
+from rodgen.cli.app import make_app
 
 PAGE, MARK = "reference/command-line", "<!-- commands -->"
 
@@ -47,7 +47,7 @@ def _overview(commands: dict[str, Any]) -> Iterator[str]:
 def _fill(_: Sphinx, page: str, source: list[str]) -> None:
     """Write all commands where the page has its mark."""
     if page == PAGE:
-        group = typer.main.get_command(app)
+        group = typer.main.get_command(make_app())
         commands = vars(group)["commands"]
         pages = (line for one in commands for line in _page(commands[one], f"rodgen {one}"))
         source[0] = source[0].replace(MARK, "\n".join([*_overview(commands), *pages]))

@@ -54,6 +54,7 @@ ARGUMENTS = (
     *("--disable-background-networking", "--disable-component-update"),
 )
 WIDE = {"width": 1280, "height": 800}
+PHONE = {"width": 390, "height": 844}
 
 
 def runs(process: int) -> bool:

@@ -7,14 +7,14 @@ import re
 from collections.abc import Iterator
 from importlib.resources import files
 from io import BytesIO
-from itertools import combinations
+from itertools import combinations, product
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 
-from live.tests.conftest import SCENES, WIDE, make
+from live.tests.conftest import PHONE, SCENES, WIDE, make
 from live.tests.view import View, expect, until
 from rodgen.model.palette import DARK, LIGHT, colours_of, series_pair
 from rodgen.model.term import DAMPER
@@ -24,7 +24,6 @@ from rodgen.show.precision_pictures import OURS, own_style
 from rodgen_live.page.elements import ICONS, LIBRARY, icon_font
 
 PICTURE = Path(__file__).parents[2] / "docs" / "pictures" / "live.png"
-PHONE = {"width": 390, "height": 844}
 
 # What axe-core finds: how grave it is, what it is, and where. But for buttons of dialogs: before
 # 4.14, axe takes what lies behind a dialog for their ground.
@@ -103,7 +102,7 @@ def states(view: View) -> Iterator[str]:
 
 
 @pytest.mark.nightly
-@pytest.mark.parametrize(("size", "scheme"), [(WIDE, "light"), (PHONE, "dark")])
+@pytest.mark.parametrize(("size", "scheme"), [*product((WIDE, PHONE), ("light", "dark"))])
 def test_nothing_keeps_anybody_from_any_state(
     server: Any, blank: View, size: Any, scheme: Any
 ) -> None:

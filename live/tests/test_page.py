@@ -206,6 +206,7 @@ def test_sweep_finds_the_critical_force(view: View) -> None:
     expect(swept.get_by_role("status")).to_contain_text(f"stable up to {critical:.4g} N")
     view.button("Reset to").click()  # it is of no run
     view.sees("live.plots['loads.follower.force/growth'].seen === 41")
+    expect(swept.get_by_role("status")).to_contain_text("N, where flutter begins")
     drawn = view.page.get_by_role("region", name="largest growth").locator("canvas")
     drawn.scroll_into_view_if_needed()
     box = drawn.bounding_box()
@@ -253,6 +254,7 @@ def test_scene_and_run_are_taken_away(view: View, tmp_path: Path) -> None:
     assert t - 0.011 < kept.t[-1] <= t  # samples are 0.01 s apart
     assert (kept.scene.rod.mass, kept.changes is None) == (25.0, False)
     view.button("Page without").click()
+    expect(view.page.get_by_text("Part of the run for the page")).to_be_visible()
     ends = [view.field("from"), view.field("to")]
     expect(ends[1]).to_have_value(f"{kept.t[-1]:.6g}")
     ends[0].fill("0.1")

@@ -19,9 +19,11 @@ import rodgen
 from live.tests.conftest import SCENE, SCENES, SHORT, finished, runs, varied
 from live.tests.view import PATIENT
 from rodgen.errors import InputError
+from rodgen.loading import build_fastest
 from rodgen.scene import Scene, Structure
 from rodgen.system import System
 from rodgen_live.page import module_builder
+from rodgen_live.page.build_process import PARTS
 from rodgen_live.page.module_builder import ModuleBuilder
 from rodgen_live.page.sweep_diagram import Diagram, SweepPoint
 from rodgen_live.panel_rows import CriticalForce
@@ -138,8 +140,8 @@ def test_sweep_of_a_dead_load_has_its_equilibria_unless_they_are_straight() -> N
     """After the span: states lead on from there. Of the column that is loaded along its axis, the
     map of stability says all."""
     scene = Scene.from_toml(SCENES / "euler_column.toml")
-    *_, straight = sweep(scene, "loads.tip.y", -30.0, -1.0, t=1e3)
-    assert straight == {}
+    *_, lost, straight = sweep(scene, "loads.tip.y", -30.0, -1.0, t=1e3)
+    assert (lost["change"], straight) == ("divergence ends", {})
     *_, found = sweep(scene.replace({"loads.tip.x": 0.5}), "loads.tip.y", -5.0, -1.0, t=1e3)
     assert len(found["branch"]["state"][0]) == len(scene.initial_state())
     assert max(found["branch"]["away"]) > 1e-3
@@ -224,6 +226,15 @@ def test_cancelled_making_ends_its_compiler(
     assert started() == before
 
 
+def test_a_module_in_the_cache_needs_no_process(monkeypatch: pytest.MonkeyPatch) -> None:
+    """It is loaded beside the page, even where processes are busy."""
+    started = Mock()
+    monkeypatch.setattr(module_builder, "_build", started)
+    build_fastest(structure := Structure(2), PARTS)
+    finished(ModuleBuilder().build(structure, quiet))
+    started.assert_not_called()
+
+
 def test_two_at_a_time_and_none_of_too_many_links(monkeypatch: pytest.MonkeyPatch) -> None:
     """The third begins when one of the others is given up."""
     begun: list[int] = []
@@ -245,6 +256,7 @@ def test_two_at_a_time_and_none_of_too_many_links(monkeypatch: pytest.MonkeyPatc
             task.cancel()
         await asyncio.gather(*tasks, return_exceptions=True)
 
+    monkeypatch.setattr(module_builder, "is_derived", lambda *_: False)
     monkeypatch.setattr(module_builder, "_build", endless)
     finished(three())
     with pytest.raises(InputError, match="2000"):

@@ -6,6 +6,8 @@ import json
 import logging
 import signal
 import socket
+import subprocess
+import sys
 import urllib.error
 import urllib.request
 from collections.abc import Callable
@@ -236,3 +238,11 @@ def test_malformed_messages_leave_a_line(serve: Callable[..., Any], folder: Path
     assert served.process.returncode == 0
     assert err.count("\n") == 1, err
     assert numbers(err) == [len(messages) + 1]
+
+
+def test_server_begins_without_what_only_analyses_and_pictures_need() -> None:
+    """To import it takes most of the time until a page is there."""
+    heavy = {"sympy", "matplotlib", "xarray", "scipy.linalg", "scipy.optimize", "scipy.integrate"}
+    program = f"import sys, rodgen_live.page.server; print({heavy} & set(sys.modules))"
+    done = subprocess.run([sys.executable, "-c", program], capture_output=True, check=True)
+    assert done.stdout.strip() == b"set()"

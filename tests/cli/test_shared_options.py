@@ -8,7 +8,7 @@ from typing import Any
 
 from typer.testing import CliRunner
 
-from rodgen.cli.app import app, own_commands
+from rodgen.cli.app import make_app, own_commands
 from rodgen.cli.options import read_scene
 from rodgen.scene import Scene
 from tests.cli.conftest import Run
@@ -90,5 +90,5 @@ def test_shells_complete_commands_and_values() -> None:
             "COMP_WORDS": f"rodgen {words}",
             "COMP_CWORD": str(len(words.split())),
         }
-        done = CliRunner().invoke(app, prog_name="rodgen", env=env)
+        done = CliRunner().invoke(make_app(), prog_name="rodgen", env=env)
         assert set(done.stdout.split()) == completed

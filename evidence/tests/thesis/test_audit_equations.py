@@ -19,7 +19,7 @@ from sympy import (
 )
 from typer.testing import CliRunner
 
-from rodgen.cli.app import app
+from rodgen.cli.app import make_app
 from rodgen.derive.symbols import k, l, m, vx0
 from rodgen_evidence.pages.audit_page import csv_text, html, json_object, markdown, write_audit
 from rodgen_evidence.thesis.audit import thesis_claims
@@ -214,7 +214,7 @@ def test_command(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     *of_text, of_listing = (c for c in claims if c.number in some)
     monkeypatch.setattr(thesis_claims, "equation_claims", lambda: of_text)
     monkeypatch.setattr(thesis_claims, "listing_claims", lambda: [of_listing])
-    result = CliRunner().invoke(app, ["audit", "--out", str(tmp_path), "--json"])
+    result = CliRunner().invoke(make_app(), ["audit", "--out", str(tmp_path), "--json"])
     assert result.exit_code == 0
     told = json.loads(result.stdout)
     assert {f["number"]: f["verdict"] for f in told["findings"]} == some

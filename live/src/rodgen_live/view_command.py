@@ -2,7 +2,11 @@
 
 from __future__ import annotations
 
+import gc
+import sys
+import webbrowser
 from pathlib import Path
+from threading import Thread
 from typing import TYPE_CHECKING, Annotated
 
 import typer
@@ -11,6 +15,7 @@ from rodgen.cli.console import out
 from rodgen.cli.options import Changes, PointNumber, point_number, read_scene
 from rodgen.errors import InputError
 from rodgen.scene.examples import find_example
+from rodgen_live.page.address import address_of, listen
 
 if TYPE_CHECKING:
     from rodgen.scene import Scene
@@ -94,12 +99,18 @@ def view(
     place = folder or beside.resolve().parent
     if not place.is_dir():
         raise InputError("--folder", str(place), "a folder")
-    from rodgen_live.page.server import ServerSettings, serve
+    with listen(host, port) as listening:
+        address = address_of(host, listening)
+        out.print(f"{scene.name} is shown at {address.told}\nCtrl-C ends it.")
+        if opened:
+            Thread(target=webbrowser.open, args=(address.here,), daemon=True).start()
+        # NiceGUI's access from afar, which is not used: to import it reads all certificates.
+        sys.modules["aiohttp"] = None  # type: ignore[assignment]
+        gc.disable()
+        from rodgen_live.page.server import ServerSettings, serve  # while the browser starts
 
-    def report_address(address: str) -> None:
-        out.print(f"{scene.name} is shown at {address}\nCtrl-C ends it.")
-
-    serve(ServerSettings(scene, place, text, host, port, opened, not paused, report_address))
+        gc.enable()
+        serve(ServerSettings(scene, place, text, not paused), listening, address)
     out.print("\nEnded.")
 
 

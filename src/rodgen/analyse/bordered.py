@@ -6,11 +6,8 @@ from functools import lru_cache
 from typing import Any
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
-from scipy.linalg.lapack import get_lapack_funcs
-from scipy.sparse import block_array, csc_array, issparse
-from scipy.sparse.csgraph import connected_components
-from scipy.sparse.linalg import splu
 
 from rodgen.errors import AnalysisError
 
@@ -23,7 +20,7 @@ LIGHT = 1e-3  # factor of rows at the border of a band, which keeps them from be
 def _lapack(dtype: type) -> tuple[Any, Any]:
     """Return LAPACK's functions that factor full matrices and solve with the factors; those of
     SciPy take longer to check a small matrix than to factor it."""
-    found = get_lapack_funcs(("getrf", "getrs"), dtype=dtype)
+    found = scipy.linalg.lapack.get_lapack_funcs(("getrf", "getrs"), dtype=dtype)
     return found[0], found[1]
 
 
@@ -33,16 +30,21 @@ class BorderedMatrix:
     N + k); columns: (N, m - k), none by default. Raises AnalysisError for a singular one."""
 
     def __init__(self, J: Matrix, rows: NDArray[Any], columns: NDArray[Any] | None = None):
-        self.sparse, self.rows = issparse(J), len(rows)
+        self.sparse, self.rows = scipy.sparse.issparse(J), len(rows)
         self.dtype = complex if np.iscomplexobj(J) else float
         if not self.sparse:
             self._dense = self._factor_dense(J, rows, columns)
             return
-        blocks: list[list[Any]] = [[J], [csc_array(LIGHT * rows)]]
+        blocks: list[list[Any]] = [[J], [scipy.sparse.csc_array(LIGHT * rows)]]
         if columns is not None:
-            blocks = [[J, csc_array(columns)], [csc_array(LIGHT * rows), None]]
+            blocks = [
+                [J, scipy.sparse.csc_array(columns)],
+                [scipy.sparse.csc_array(LIGHT * rows), None],
+            ]
         try:
-            self._factors = splu(csc_array(block_array(blocks)), permc_spec="NATURAL")
+            self._factors = scipy.sparse.linalg.splu(
+                scipy.sparse.csc_array(scipy.sparse.block_array(blocks)), permc_spec="NATURAL"
+            )
         except (RuntimeError, ValueError):
             raise AnalysisError(SINGULAR) from None
 
@@ -93,6 +95,6 @@ def determinant_sign(factors: Any) -> int:
 def _permutation_sign(order: NDArray[np.int_]) -> int:
     """Parity of a permutation: 1 for an even one, -1 for an odd one."""
     size = len(order)
-    moves = csc_array((np.ones(size), (np.arange(size), order)), shape=(size, size))
-    cycles = connected_components(moves)[0]
+    moves = scipy.sparse.csc_array((np.ones(size), (np.arange(size), order)), shape=(size, size))
+    cycles = scipy.sparse.csgraph.connected_components(moves)[0]
     return 1 if (size - cycles) % 2 == 0 else -1

@@ -7,10 +7,8 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
-from scipy.linalg import eigh, null_space
-from scipy.sparse import csc_array
-from scipy.sparse.linalg import ArpackError, LinearOperator, eigs, splu
 
 from rodgen.analyse.pencil import (
     BlockPencil,
@@ -54,7 +52,7 @@ def all_eigenvalues(pencil: BlockPencil | DensePencil, turns: bool = False) -> E
         return _solve_dense(dense)
     # Virtual work on turning is s^2 (M turn) a: motions orthogonal to M turn are without it.
     turn = np.ones(pencil.n_moving)
-    basis = null_space((dense.S2 @ turn)[None])
+    basis = scipy.linalg.null_space((dense.S2 @ turn)[None])
     found = _solve_dense(dense.project(basis))
     angles, s = basis @ found.vectors, found.s
     pulls = [turn @ part @ angles for part in dense.parts]  # by K, C and M, on every motion
@@ -136,10 +134,14 @@ def lowest_eigenvalues(pencil: BlockPencil, count: int, turning: Array | None) -
     times, order = (damped_operator, 2 * size) if pencil.is_damped else (undamped_operator, size)
     wanted = min((2 * count if pencil.is_damped else count) + SPARE, order - 2)
     start = np.cos(np.arange(order) ** 2 / 7.0)  # no symmetry; the same on every run
-    operator = LinearOperator((order, order), matvec=lambda z: times(np.ravel(z)), dtype=float)
+    operator = scipy.sparse.linalg.LinearOperator(
+        (order, order), matvec=lambda z: times(np.ravel(z)), dtype=float
+    )
     try:
-        inverse, vectors = eigs(operator, k=wanted, v0=start, ncv=min(2 * wanted + 20, order))
-    except ArpackError as error:
+        inverse, vectors = scipy.sparse.linalg.eigs(
+            operator, k=wanted, v0=start, ncv=min(2 * wanted + 20, order)
+        )
+    except scipy.sparse.linalg.ArpackError as error:
         raise AnalysisError(f"the lowest eigenvalues were not found: {error}") from None
     there = np.abs(inverse) > 0
     values, vectors = 1 / inverse[there], vectors[:, there]
@@ -165,17 +167,21 @@ def nearest_eigenvalues(
 
     start = np.cos(np.arange(2 * size) ** 2 / 7.0).astype(complex)
     shape = (2 * size, 2 * size)
-    operator = LinearOperator(shape, matvec=lambda z: shifted_operator(z.ravel()), dtype=complex)
+    operator = scipy.sparse.linalg.LinearOperator(
+        shape, matvec=lambda z: shifted_operator(z.ravel()), dtype=complex
+    )
     try:
-        found = eigs(operator, k=count, v0=start, tol=ENOUGH, return_eigenvectors=False)
-    except ArpackError:
+        found = scipy.sparse.linalg.eigs(
+            operator, k=count, v0=start, tol=ENOUGH, return_eigenvectors=False
+        )
+    except scipy.sparse.linalg.ArpackError:
         raise AnalysisError(f"the eigenvalues next to {shift:.3g} were not found") from None
     return np.asarray(shift + 1 / found)
 
 
 def _factorise(S: Any) -> Any:
     try:
-        return splu(csc_array(S))
+        return scipy.sparse.linalg.splu(scipy.sparse.csc_array(S))
     except RuntimeError:
         raise AnalysisError(
             "the linearised equations are singular: a static equilibrium is about to lose its "
@@ -206,7 +212,7 @@ def all_shapes(dense: DensePencil) -> tuple[Array, Array]:
     without damping and without added states."""
     own = dense.size - dense.added
     K, M = ((matrix + matrix.T)[:own, :own] / 2 for matrix in (dense.S0, dense.S2))
-    squares, found = eigh(K, M)
+    squares, found = scipy.linalg.eigh(K, M)
     return squares, found
 
 

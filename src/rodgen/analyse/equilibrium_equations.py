@@ -6,8 +6,7 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from scipy.linalg import eigvalsh
-from scipy.sparse.linalg import splu
+import scipy
 
 from rodgen.analyse.bordered import determinant_sign
 from rodgen.analyse.modal import MOST_DENSE
@@ -61,7 +60,7 @@ class JointForceBalance:
 
     def determinant_sign(self) -> int:
         """Sign of the determinant of the stiffness."""
-        return determinant_sign(splu(to_sparse(self.blocks.statics)))
+        return determinant_sign(scipy.sparse.linalg.splu(to_sparse(self.blocks.statics)))
 
 
 @dataclass(frozen=True)
@@ -265,7 +264,7 @@ def square_of_growth(here: Balance) -> float:
     K, M = ((part + part.T)[own, own] / 2 for part in (small.S0, small.S2))
     if not np.isfinite(K).all():
         return 0.0
-    return max(0.0, -float(eigvalsh(K, M, subset_by_index=[0, 0])[0]))
+    return max(0.0, -float(scipy.linalg.eigvalsh(K, M, subset_by_index=[0, 0])[0]))
 
 
 def stability_signature(here: Balance) -> int:

@@ -9,8 +9,8 @@ from dataclasses import replace
 from functools import cached_property
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
-from scipy.linalg import null_space
 
 from rodgen.analyse.analysis_guard import CRITICAL, check_analysis_memory
 from rodgen.analyse.eigenvalues import Complex, all_shapes, lowest_shapes
@@ -134,7 +134,7 @@ class LoadFamily:
         rigid = moved + self.steady_state(0.0).has_free_rotation
         parts, still = shapes[:moved, :rigid], shapes.copy()
         still[:, :moved] = np.eye(len(shapes))[:, :moved]
-        still[:, moved:rigid] = shapes[:, :rigid] @ null_space(parts)
+        still[:, moved:rigid] = shapes[:, :rigid] @ scipy.linalg.null_space(parts)
         return still
 
     @cached_property

@@ -9,8 +9,8 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
-from scipy.linalg.lapack import dgeev, dgeqp3, dorgqr
 
 from rodgen.analyse.eigenvalues import Complex, square_roots
 from rodgen.analyse.pencil import first_order_matrix
@@ -62,8 +62,9 @@ def _nullity(A: Array) -> int:
 
 def _quotient(A: Array, count: int) -> Array:
     """Restrict a matrix to the complement of ``count`` directions that it takes to about zero."""
-    factors, _, tau, _, _ = dgeqp3(A.T)  # SciPy's qr takes as long to look at small matrices
-    across = dorgqr(factors, tau)[0][:, : len(A) - count]
+    lapack = scipy.linalg.lapack  # SciPy's qr takes as long to look at small matrices
+    factors, _, tau, _, _ = lapack.dgeqp3(A.T)
+    across = lapack.dorgqr(factors, tau)[0][:, : len(A) - count]
     return np.asarray(across.T @ A @ across)
 
 
@@ -217,7 +218,7 @@ def _eigenvalues(A: Array, size: float) -> Complex:
     calls, without its checks, which take a tenth of the time. Raises LinAlgError as that does."""
     if not np.isfinite(size):
         raise np.linalg.LinAlgError("the matrix is not finite")
-    real, imaginary, _, _, failed = dgeev(A, compute_vl=0, compute_vr=0)
+    real, imaginary, _, _, failed = scipy.linalg.lapack.dgeev(A, compute_vl=0, compute_vr=0)
     if failed:
         raise np.linalg.LinAlgError("the eigenvalues did not converge")
     return np.asarray(real + 1j * imaginary, dtype=np.complex128)

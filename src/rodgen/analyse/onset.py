@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from functools import cached_property, lru_cache
 
 import numpy as np
-from scipy.optimize import brentq
+import scipy
 
 from rodgen.analyse.crossing import Border, CrossingEquations, crossing_kind
 from rodgen.analyse.load_family import LoadFamily
@@ -235,7 +235,7 @@ def solve_zero_onset(matrix: Callable[[float], Array], near: Onset, unit: float)
         low, high = near.force - apart, near.force + apart
         ends = eigenvalue_product(low), eigenvalue_product(high)
         if ends[0] * ends[1] < 0:
-            force = float(brentq(eigenvalue_product, low, high, xtol=CLOSE * size))
+            force = float(scipy.optimize.brentq(eigenvalue_product, low, high, xtol=CLOSE * size))
             slope = abs(ends[1] - ends[0]) / (high - low)
             error = len(matrix(force)) * ROUNDING * max(map(abs, ends)) / slope
             return Onset(force, 0j, max(error, CLOSE * abs(force)))

@@ -11,8 +11,7 @@ from dataclasses import dataclass, fields, replace
 from typing import Any
 
 import numpy as np
-from scipy.linalg import block_diag
-from scipy.sparse import block_array, csc_array, issparse
+import scipy
 
 from rodgen.analyse.steady_rod import SteadyRod, Unknowns
 from rodgen.arrays import Array
@@ -237,12 +236,15 @@ class MatrixPencil(QuadraticPencil):
         if turning is None:
             return cls.of(pencil)
         S0, S1, S2 = map(to_sparse, pencil.parts)
-        first = csc_array(([1.0], ([0], [0])), shape=(1, len(turning)))
-        moment = csc_array((S2 @ turning)[:, None])
-        nothing = csc_array((1, 1))
+        first = scipy.sparse.csc_array(([1.0], ([0], [0])), shape=(1, len(turning)))
+        moment = scipy.sparse.csc_array((S2 @ turning)[:, None])
+        nothing = scipy.sparse.csc_array((1, 1))
         return cls(
-            csc_array(block_array([[S0, moment], [first, None]])),
-            *(csc_array(block_array([[S, None], [None, nothing]])) for S in (S1, S2)),
+            scipy.sparse.csc_array(scipy.sparse.block_array([[S0, moment], [first, None]])),
+            *(
+                scipy.sparse.csc_array(scipy.sparse.block_array([[S, None], [None, nothing]]))
+                for S in (S1, S2)
+            ),
         )
 
     def at_square(self, square: float) -> Any:
@@ -296,7 +298,7 @@ class DensePencil(MatrixPencil):
 
     def project(self, basis: Matrix) -> DensePencil:
         """Project on motions q = basis times coordinates."""
-        whole = block_diag(basis, np.eye(self.added)) if self.added else basis
+        whole = scipy.linalg.block_diag(basis, np.eye(self.added)) if self.added else basis
         K, C, M = (whole.T @ matrix @ whole for matrix in self.parts)
         return DensePencil(K, C, M, added=self.added)
 
@@ -306,22 +308,22 @@ Linear = BlockPencil | MatrixPencil
 
 def _scale_matrix(part: Any, scales: Scales) -> Any:
     rows, columns = scales
-    if issparse(part):
-        return csc_array(part.multiply(rows[:, None]).multiply(columns[None, :]))
+    if scipy.sparse.issparse(part):
+        return scipy.sparse.csc_array(part.multiply(rows[:, None]).multiply(columns[None, :]))
     return rows[:, None] * part * columns
 
 
 def _largest_entries(sizes: Any, axis: int) -> Array:
     most = sizes.max(axis=axis)
-    return np.asarray(most.toarray() if issparse(most) else most).ravel()
+    return np.asarray(most.toarray() if scipy.sparse.issparse(most) else most).ravel()
 
 
-def to_sparse(blocks: Matrix) -> csc_array:
+def to_sparse(blocks: Matrix) -> scipy.sparse.csc_array:
     """Assemble a sparse matrix from blocks (3, n_moving, rows, columns)."""
     _, n_moving, *shape = blocks.shape
     there, rows, columns = block_entries(n_moving, *shape)
     size = (shape[0] * n_moving, shape[1] * n_moving)
-    return csc_array((blocks[there], (rows, columns)), shape=size)
+    return scipy.sparse.csc_array((blocks[there], (rows, columns)), shape=size)
 
 
 def _to_full(blocks: Matrix) -> Matrix:

@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
-from scipy.linalg import block_diag
+import scipy
 
 from rodgen.analyse.equilibrium_equations import free_directions
 from rodgen.analyse.equilibrium_search import find_equilibrium
@@ -234,7 +234,7 @@ def _project_jacobian(J: Array, mass: Array, ways: Array) -> DensePencil:
     return DensePencil(
         np.block([[K, by_added], [lower[0], -own[:, 2 * half :]]]),
         np.block([[C, np.zeros_like(by_added)], [lower[1], np.eye(added)]]),
-        block_diag(M, np.zeros((added, added))),
+        scipy.linalg.block_diag(M, np.zeros((added, added))),
         np.block([[terms, np.abs(by_added)], [np.abs(lower[0]), np.abs(own[:, 2 * half :])]]),
         added,
     )

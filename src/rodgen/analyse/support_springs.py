@@ -12,8 +12,8 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
-from scipy.optimize import minimize
 
 from rodgen.analyse.steady_rod import SteadyRod, Unknowns
 from rodgen.arrays import Array
@@ -149,6 +149,8 @@ def _catenary(chord: Array, length: float, pull: Array, share: Array) -> Array:
     # From above the middle, a little to the side where the ends are one above the other.
     aside = np.array([pull[1], -pull[0]]) / np.hypot(*pull) * TINY
     start = fall.mean(axis=0) + chord / length + aside
-    found = minimize(gap, start, jac=True, method="BFGS", options={"gtol": CLOSED * length}).x
+    found = scipy.optimize.minimize(
+        gap, start, jac=True, method="BFGS", options={"gtol": CLOSED * length}
+    ).x
     along = found - fall
     return np.asarray(np.arctan2(along[:, 1], along[:, 0]))

@@ -36,21 +36,24 @@ ORDER = (
 )
 
 
-def own_commands() -> dict[str, Callable[..., object]]:
-    """Find the commands of rodgen: the public functions of the files *_command.py beside this."""
+def own_commands(asked: str = "") -> dict[str, Callable[..., object]]:
+    """Find the commands of rodgen: the public functions of the files *_command.py beside this, or
+    of the one that is named after the command that is asked for."""
+    files = [file.name for file in iter_modules([str(Path(__file__).parent)])]
+    named = f"{asked.replace('-', '_')}_command"
     found: dict[str, Callable[..., object]] = {}
-    for file in iter_modules([str(Path(__file__).parent)]):
-        if file.name.endswith("_command"):
-            module = import_module(f"rodgen.cli.{file.name}")
+    for file in [named] if named in files else files:
+        if file.endswith("_command"):
+            module = import_module(f"rodgen.cli.{file}")
             for name, one in getmembers(module, isfunction):
                 if one.__module__ == module.__name__ and not name.startswith("_"):
                     found[name.replace("_", "-")] = one
     return found
 
 
-def make_app() -> typer.Typer:
+def make_app(asked: str = "") -> typer.Typer:
     """Make the application: rodgen's commands, those of installed packages, and for known ones that
-    are not installed how to get them."""
+    are not installed how to get them; no others than the one that is asked for, if it is known."""
     added = {entry.name: entry for entry in entry_points(group=GROUP)}
     missing = [name for name in ELSEWHERE if name not in added]
     app = typer.Typer(
@@ -62,7 +65,10 @@ def make_app() -> typer.Typer:
         rich_markup_mode=None,
         pretty_exceptions_enable=False,
     )
-    own = own_commands()
+    alone = asked in ELSEWHERE and asked in added
+    own = {} if alone else own_commands(asked)
+    if alone or asked in own:
+        added = {name: entry for name, entry in added.items() if name == asked}
     place = {name: number for number, name in enumerate(ORDER)}
     for name in sorted({*own, *added}, key=lambda name: (place.get(name, len(place)), name)):
         if name in own:  # a package cannot take the place of a command
@@ -120,6 +126,3 @@ def _run_without_command(
         raise typer.Exit
     if context.invoked_subcommand is None:
         print(context.get_help())
-
-
-app = make_app()

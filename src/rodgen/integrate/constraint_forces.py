@@ -12,8 +12,8 @@ from types import ModuleType
 from typing import Any
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
-from scipy.linalg import solve_banded
 
 from rodgen.arrays import Array
 
@@ -60,4 +60,4 @@ def solve_blocks(blocks: Matrix, right: Matrix, transposed: bool = False) -> Mat
     width = 2 * size - 1
     band = np.zeros((2 * width + 1, size * n_moving), dtype=blocks.dtype)
     band[width + rows - columns, columns] = blocks[there]
-    return np.asarray(solve_banded((width, width), band, right, check_finite=False))
+    return np.asarray(scipy.linalg.solve_banded((width, width), band, right, check_finite=False))

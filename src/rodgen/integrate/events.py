@@ -15,8 +15,8 @@ from types import ModuleType
 from typing import Any
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
-from scipy.optimize import brentq
 
 from rodgen.arrays import Array
 from rodgen.integrate.quantity_formulas import MotionSlice
@@ -281,7 +281,9 @@ class EventDetector:
             return self._root_at_end(times, g, signs)
         low, high = times[crossed[0]], times[crossed[0] + 1]
         ulp = float(np.spacing(max(abs(low), abs(high))))
-        root = float(brentq(difference, low, high, xtol=4 * ulp, rtol=4 * np.finfo(float).eps))
+        root = float(
+            scipy.optimize.brentq(difference, low, high, xtol=4 * ulp, rtol=4 * np.finfo(float).eps)
+        )
         while root < high and difference(root) * before[crossed[0]] > 0:
             root, ulp = min(root + ulp, float(high)), 2 * ulp
         return root

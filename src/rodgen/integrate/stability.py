@@ -4,15 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Callable, Collection, Iterator
 from dataclasses import dataclass
-from functools import lru_cache
+from functools import cache, lru_cache
 from types import ModuleType
 from typing import Any
 
 import numpy as np
-import scipy.integrate
+import scipy
 from numpy.typing import NDArray
-from scipy.optimize import brentq
-from scipy.sparse.linalg import ArpackError, ArpackNoConvergence, LinearOperator, eigs
 
 from rodgen.arrays import Array
 from rodgen.integrate.methods.python_steppers import explicit_step
@@ -167,7 +165,7 @@ def _by_eig(system: _ScaledJacobian) -> tuple[complex, Complex, bool]:
 
 def _by_arpack(system: _ScaledJacobian) -> tuple[complex, Complex, bool]:
     size = 2 * system.half + system.added
-    operator = LinearOperator((size, size), matvec=system.product, dtype=float)
+    operator = scipy.sparse.linalg.LinearOperator((size, size), matvec=system.product, dtype=float)
     start = np.concatenate((system.start, system.start, np.zeros(system.added)))
     values: Complex = np.zeros(0, dtype=complex)
     # A pair and its neighbour; the second try takes what one Krylov space holds.
@@ -175,10 +173,10 @@ def _by_arpack(system: _ScaledJacobian) -> tuple[complex, Complex, bool]:
         try:
             space = FEW if size > MANY else SPACE
             how = {"v0": start, "ncv": space, "tol": tolerance, "maxiter": RESTARTS}
-            values, vectors = eigs(operator, k=2, **how)
-        except ArpackNoConvergence as error:
+            values, vectors = scipy.sparse.linalg.eigs(operator, k=2, **how)
+        except scipy.sparse.linalg.ArpackNoConvergence as error:
             values, vectors = error.eigenvalues, error.eigenvectors
-        except ArpackError:
+        except scipy.sparse.linalg.ArpackError:
             continue
         if len(values):
             at = int(np.argmax(np.abs(values)))
@@ -190,6 +188,17 @@ def _growth_of_one(A: Collection[Collection[Any]], b: Collection[Any]) -> Growth
     """Stability function |R(z)| of a Runge-Kutta method, of every motion by itself."""
     coefficients = stability_polynomial(A, b)
     return lambda z, _: np.asarray(np.abs(np.polyval(coefficients[::-1], z)))
+
+
+def _growth_of_solver(name: str) -> Growth:
+    """Stability function of one of SciPy's explicit methods, which is loaded when it is asked."""
+
+    @cache
+    def growth() -> Growth:
+        solver = getattr(scipy.integrate, name)
+        return _growth_of_one(solver.A, solver.B)
+
+    return lambda z, partner: growth()(z, partner)
 
 
 def _growth_of_pair(tableau: Tableau) -> Growth:
@@ -222,8 +231,7 @@ def _growth_functions() -> Iterator[tuple[str, Growth]]:
         elif tableau:
             yield name, _growth_of_one(tableau.A, tableau.b)
         elif not method.implicit:
-            solver = getattr(scipy.integrate, method.scipy)
-            yield name, _growth_of_one(solver.A, solver.B)
+            yield name, _growth_of_solver(method.scipy)
 
 
 LIMITS = dict(_growth_functions())
@@ -251,7 +259,7 @@ def step_limit(method: str, value: complex, partner: complex | None = None) -> f
 
     grid = np.linspace(0.0, FARTHEST, 2401)
     beyond = int(np.argmax(excess(grid) > 0))
-    return float(brentq(excess, grid[beyond - 1], grid[beyond], xtol=1e-12)) / size
+    return float(scipy.optimize.brentq(excess, grid[beyond - 1], grid[beyond], xtol=1e-12)) / size
 
 
 def largest_stable_step(method: str, model: ModuleType, t: float, y: Array, p: Array) -> float:

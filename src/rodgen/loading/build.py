@@ -198,9 +198,7 @@ def companions(
 def _texts(
     structure: Structure, target: str, form: str, parts: tuple[str, ...], steps: bool = False
 ) -> dict[str, str]:
-    stem = structure.module_stem(target, form)
-    made_of = cache.key(target, form, structure.hash, *parts, steps)
-    entry = ("modules", made_of, f"{stem}.json")
+    entry = _entry(structure, target, form, parts, steps)
     texts = _recall(cache.read_text(*entry))
     if texts is None:
         report_stage(DERIVING)
@@ -209,6 +207,20 @@ def _texts(
         texts = module_files(structure, target, form, parts, steps)
         cache.store_text(json.dumps(texts), *entry)
     return texts
+
+
+def _entry(
+    structure: Structure, target: str, form: str, parts: tuple[str, ...], steps: bool = False
+) -> tuple[str, ...]:
+    """Entry of the cache that the texts of parts are kept in."""
+    made_of = cache.key(target, form, structure.hash, *parts, steps)
+    return "modules", made_of, f"{structure.module_stem(target, form)}.json"
+
+
+def is_derived(structure: Structure, parts: Iterable[str], target: str = "c") -> bool:
+    """Whether parts of the module of a structure, in chain form, need no derivation any more."""
+    entries = (_entry(structure, target, "chain", (part,)) for part in parts)
+    return all(cache.read_text(*entry) is not None for entry in entries)
 
 
 def _structure(scene: Scene | Structure) -> Structure:

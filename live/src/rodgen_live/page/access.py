@@ -11,9 +11,9 @@ from starlette.responses import PlainTextResponse
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 from starlette.websockets import WebSocketClose
 
-OWN = {"localhost", "127.0.0.1", "::1"}
+from rodgen_live.page.address import TOKEN
+
 OWN_HOST = re.compile(r"(localhost|127\.0\.0\.1|\[::1\])(:\d{1,5})?", re.ASCII | re.IGNORECASE)
-TOKEN = "token"
 LONGEST = 2 * 2**20  # bytes of a request: a scene, and what is around it
 # For browsers that do not say who asks.
 UNFRAMED = {"x-frame-options": "DENY", "content-security-policy": "frame-ancestors 'none'"}

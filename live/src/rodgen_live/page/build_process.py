@@ -18,6 +18,8 @@ from rodgen.loading.build import build_fastest
 from rodgen.native.library import BuildError
 from rodgen.progress import report_stages_to
 
+PARTS = (*required_parts("c"), *STEPS)  # of a module: what a run may ask for
+
 
 def main() -> None:
     """Build the module of the structure that is read from standard input."""
@@ -26,7 +28,7 @@ def main() -> None:
     structure = pickle.load(sys.stdin.buffer)
     try:
         with report_stages_to(lambda stage: print(stage, flush=True)):
-            build_fastest(structure, (*required_parts("c"), *STEPS))
+            build_fastest(structure, PARTS)
     except (BuildError, InputError) as error:
         sys.exit(str(error))
 

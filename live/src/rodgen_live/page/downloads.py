@@ -20,6 +20,7 @@ from rodgen_live.replay import LEAST
 from rodgen_live.run.link import make_link
 
 HALF = 5e-6  # of the last of six digits, by which a time in a field may be off
+WHAT = {"mp4": "film", "zip": "page"}  # a file of which a part of the run is asked, by its ending
 Progress = Callable[[float], None]  # told the share that is done
 Make = Callable[[Solution, Path, Progress], object]
 
@@ -89,7 +90,7 @@ class DownloadsPanel:
 
         ends = {"from": ("from [s]", f"{t[0]:.6g}"), "to": ("to [s]", f"{t[-1]:.6g}")}
         with self.page.root:
-            ask("Part of the run", "Make", ends, take)
+            ask(f"Part of the run for the {WHAT[ending]}", "Make", ends, take)
 
     async def _download(self, solution: Solution, ending: str, make: Make) -> None:
         if self.progress.visible:  # another one is being made

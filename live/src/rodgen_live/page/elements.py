@@ -13,6 +13,7 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 import nicegui
+from nicegui import ui
 from nicegui.element import Element
 
 from rodgen.model.palette import DARK, LIGHT, Colours, colours_of
@@ -94,7 +95,7 @@ class Keys(Component, component=STATIC / "keys.js"):
         self.on("key", lambda event: does[event.args["key"]]())
 
 
-class Aria(Element, component=STATIC / "aria.js"):
+class Aria(Component, component=STATIC / "aria.js"):
     """Corrections to the roles and labels of sliders and lists for screen readers. One a page."""
 
 
@@ -166,9 +167,18 @@ class Plots(Component, component=STATIC / "plots.js"):
     wrapped: whole turns are not shown; dashed: whether a curve of a sweep is. Events: "removed"
     {id}, "picked" {id, row} (of a sweep, a click on a row), "moved" {ids} (all, in the new order),
     "wrapped" {id, wrapped}: the page has done so already. Method in the page: sweep(id, rows,
-    marks), of which marks are lines at some values. Rows that come before their plot are kept for
-    it.
+    marks), of which marks are lines at some values, with words. Rows that come before their plot
+    are kept for it.
     """
+
+
+def early_scripts() -> str:
+    """Script that loads those of the components while the page connects, before it is told of
+    them."""
+    used: tuple[type[Element], ...] = (*Component.__subclasses__(), ui.select, ui.input)
+    place = f"/_nicegui/{nicegui.__version__}/components/"
+    keys = [one.component.key for one in used if one.component]
+    return f'<script type="module">for (const key of {keys}) import("{place}" + key);</script>'
 
 
 def _as_css(palette: Colours) -> str:

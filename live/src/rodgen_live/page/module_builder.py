@@ -13,7 +13,9 @@ from contextlib import suppress
 from nicegui import ui
 
 from rodgen.errors import InputError
+from rodgen.loading import build_fastest, is_derived
 from rodgen.scene import Scene, Structure
+from rodgen_live.page.build_process import PARTS
 from rodgen_live.run.worker_process import end_process
 
 MOST_LINKS = 2000  # of a live run: beyond, nothing of it is live
@@ -29,6 +31,10 @@ class ModuleBuilder:
     def __init__(self, ends: Callable[[], bool] = lambda: False) -> None:
         self._places, self._ends = asyncio.Semaphore(PLACES), ends
 
+    async def load(self, structure: Structure) -> bool:
+        """Load a module that needs no derivation, beside all else; returns whether it is one."""
+        return await asyncio.to_thread(_load, structure)
+
     async def build(self, structure: Structure, stage: Stage) -> None:
         """Make a module and put it into the cache; stage: told what is being done. Ends the process
         if it is cancelled. Raises InputError where it cannot be made."""
@@ -36,6 +42,8 @@ class ModuleBuilder:
             raise InputError(
                 "rod.links", structure.n_links, f"at most {MOST_LINKS} in the live view"
             )
+        if await self.load(structure):
+            return
         stage("waiting for others")
         async with self._places:
             if self._ends():
@@ -43,6 +51,16 @@ class ModuleBuilder:
                     "module", f"n = {structure.n_links}", "made before the server ends"
                 )
             await _build(structure, stage)
+
+
+def _load(structure: Structure) -> bool:
+    """Load a module and SciPy's part by which its forces are computed, unless it is to be
+    derived."""
+    if derived := is_derived(structure, PARTS):
+        import scipy.linalg  # noqa: F401
+
+        build_fastest(structure, PARTS)
+    return derived
 
 
 async def _build(structure: Structure, stage: Stage) -> None:

@@ -16,7 +16,7 @@ from rodgen.errors import InputError
 from rodgen.model.palette import DARK, LIGHT
 from rodgen.scene import Scene
 from rodgen_live.page.downloads import DownloadsPanel
-from rodgen_live.page.elements import Aria, Channel, style_sheet
+from rodgen_live.page.elements import Aria, Channel, early_scripts, style_sheet
 from rodgen_live.page.export import export
 from rodgen_live.page.module_builder import BuildProgress, ModuleBuilder
 from rodgen_live.page.page_run import PANEL, VIEW, PageRun, Panel, notify
@@ -78,6 +78,7 @@ class Page:
         self._client = client = ui.context.client
         client.on_exception(lambda error: notify(client, f"rodgen has failed: {error!r}"))
         ui.add_css(style_sheet())
+        ui.add_head_html(early_scripts())
         _set_shade()
         self._root = ui.element("div").classes("rg-page")
         self._progress = BuildProgress(self.modules)

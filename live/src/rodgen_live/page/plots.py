@@ -38,6 +38,8 @@ FIELDS = {
 TITLE = {"title": "title (made from what is shown if empty)"}  # is asked of all
 # By the key, what can be chosen, in words.
 CHOSEN: dict[str, Any] = {"direction": {name: name for name in DIRECTIONS}, "axes": AXES}
+# On a phone they are below all parameters.
+SHOW_FIRST = "document.querySelector('.rodgen-plot').scrollIntoView({ block: 'nearest' })"
 TYPED = {"window": "10", "value": "0", "every": "", "title": ""}  # and what stands there at first
 
 
@@ -46,12 +48,13 @@ class PlotsPanel:
 
     def __init__(self, page: PageRun):
         self.page = page
-        with ui.element("section").classes("rg-plots").props('aria-label="Plots"'):
+        with ui.element("div").classes("rg-adds"):
             for label, icon, act in (
                 ("Add plot", "add_chart", lambda: PlotDialog(page)),
                 ("Flutter", "waves", self._add_flutter_plots),
             ):
                 ui.button(label, icon=icon, on_click=act).props("flat dense")
+        with ui.element("section").classes("rg-plots").props('aria-label="Plots"'):
             self.grid = Plots(specs=[])
         self.grid.on("removed", lambda event: self._remove(event.args["id"]))
         self.grid.on("moved", lambda event: page.submit(page.run.arrange_plots, event.args["ids"]))
@@ -89,6 +92,7 @@ class PlotsPanel:
             run.arrange_plots([*(name for name in run.plots if name not in others), *others])
 
         await self.page.call(add)
+        ui.run_javascript(SHOW_FIRST)
 
     def _remove(self, name: str) -> None:
         self.page.diagrams.pop(name, None)

@@ -56,10 +56,13 @@ class PullControls:
         self._move(event)
         link, share = int(event.args["link"]), float(event.args["share"])
 
+        def pull() -> None:
+            if (to := self._to) is not None:  # where it is by now, if it has not let go
+                self.page.run.pull(Pull(link, share, to, **self.spring))
+
         async def begin() -> None:
             await self.page.allow_pulls()
-            if self._to is not None:  # it may have let go while the module was made
-                await self._pull(link, share, self._to)
+            await self.page.call(pull)
 
         self.page.start_task(begin())
 

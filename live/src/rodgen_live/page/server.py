@@ -1,15 +1,12 @@
-"""The server of the live view: its address, its page, and the WebSocket of each run."""
+"""The server of the live view: its page, and the WebSocket of each run."""
 
 from __future__ import annotations
 
 import asyncio
-import errno
 import json
 import mimetypes
-import secrets
 import socket
 import sys
-import webbrowser
 from collections.abc import Callable
 from contextlib import suppress
 from dataclasses import dataclass
@@ -25,7 +22,8 @@ from nicegui import app, ui
 
 from rodgen.errors import InputError
 from rodgen.scene import Scene
-from rodgen_live.page.access import OWN, TOKEN, AccessGuard
+from rodgen_live.page.access import AccessGuard
+from rodgen_live.page.address import Address
 from rodgen_live.page.elements import ICONS, STATIC, icon_font
 from rodgen_live.page.module_builder import ModuleBuilder
 from rodgen_live.page.page import ADDRESS, Page
@@ -36,15 +34,10 @@ from rodgen_live.page.unreadable_messages import UnreadableFilter
 from rodgen_live.run.live_run import LiveRun
 from rodgen_live.run.scene_text import SceneFolder
 
-LOOPBACK = "127.0.0.1"
-EVERYWHERE = {"0.0.0.0", "::"}
-ELSEWHERE = ("192.0.2.1", 9)  # of RFC 5737: nobody has it
 SWEEP = 0.5  # seconds
 # Seconds that NiceGUI's own connection of a page may be gone; it is looked at by answers within two
 # fifths of that, which a busy machine needs.
 RECONNECT = 30.0
-PORT_ERRORS = (errno.EADDRINUSE, errno.EACCES)
-MOST_WAITING = 1024  # connections that wait to be taken up: more are cut off without a word
 # Instead of DOMPurify: the page shows no HTML of others. What is asked for is shown as text.
 PURIFIER = b"""export default new Proxy({}, { get: (_, name) =>
     name === "sanitize" ? html => new Option(html).innerHTML : () => {} });
@@ -56,46 +49,34 @@ GONE = 4404  # code of a WebSocket: there is no such run
 @dataclass(frozen=True)
 class ServerSettings:
     """Settings of the server. scene: shown first; folder: scenes to choose from; text: that the
-    scene was read from, if it was; host, port: where the server listens, port 0: at any that is
-    free; opens: whether a browser is started; moves: whether a page begins with a run that moves,
-    over the span of its scene and over again; said: told the address, that for other machines where
-    they are let in."""
+    scene was read from, if it was; moves: whether a page begins with a run that moves, over the
+    span of its scene and over again."""
 
     scene: Scene
     folder: Path
     text: str = ""
-    host: str = LOOPBACK
-    port: int = 0
-    opens: bool = True
     moves: bool = True
-    said: Callable[[str], None] = print
 
 
-def serve(settings: ServerSettings) -> None:
-    """Serve until Ctrl-C. Raises InputError for a port that is taken or a host that is not here."""
-    with _listen(settings.host, settings.port) as listening:
-        token = None if settings.host in OWN else secrets.token_urlsafe(16)
-        port = listening.getsockname()[1]
-        modules = ModuleBuilder(lambda: server.should_exit)
-        site = _build_site(settings, modules, *_addresses(settings.host, port, token))
-        config = uvicorn.Config(
-            AccessGuard(site, token, port),
-            log_level="warning",
-            ws_per_message_deflate=False,
-            timeout_graceful_shutdown=2,
-        )
-        server, misunderstood = uvicorn.Server(config), UnreadableFilter()
-        misunderstood.attach()
-        with suppress(KeyboardInterrupt):  # Ctrl-C: it has ended by then
-            server.run(sockets=[listening])
-        if misunderstood.count:
-            print(f"rodgen: {misunderstood.count} messages could not be read", file=sys.stderr)
+def serve(settings: ServerSettings, listening: socket.socket, address: Address) -> None:
+    """Serve at an address until Ctrl-C."""
+    modules = ModuleBuilder(lambda: server.should_exit)
+    site = _build_site(settings, modules)
+    config = uvicorn.Config(
+        AccessGuard(site, address.token, address.port),
+        log_level="warning",
+        ws_per_message_deflate=False,
+        timeout_graceful_shutdown=2,
+    )
+    server, misunderstood = uvicorn.Server(config), UnreadableFilter()
+    misunderstood.attach()
+    with suppress(KeyboardInterrupt):  # Ctrl-C: it has ended by then
+        server.run(sockets=[listening])
+    if misunderstood.count:
+        print(f"rodgen: {misunderstood.count} messages could not be read", file=sys.stderr)
 
 
-def _build_site(
-    settings: ServerSettings, modules: ModuleBuilder, told: str, opened: str
-) -> FastAPI:
-    """Build the site; told, opened: addresses that are told, and opened, once it is there."""
+def _build_site(settings: ServerSettings, modules: ModuleBuilder) -> FastAPI:
     site, sessions, folder = FastAPI(openapi_url=None), Sessions(), SceneFolder(settings.folder)
 
     @site.websocket(ADDRESS + "{name}")
@@ -118,12 +99,7 @@ def _build_site(
     if (font := icon_font()) is not None:
         _replace(site, font, ICONS.read_bytes())
 
-    async def begin() -> None:
-        settings.said(told)
-        if settings.opens:
-            await asyncio.to_thread(webbrowser.open, opened)
-
-    app.on_startup(begin)
+    app.on_startup(lambda: modules.load(settings.scene.structure))  # until a page has come
     app.timer(SWEEP, sessions.close_idle)
     app.on_shutdown(sessions.close_all)
     ui.run_with(
@@ -138,7 +114,7 @@ def _build_site(
         show_welcome_message=False,
         gzip_middleware_factory=None,
     )
-    site.add_middleware(GZipMiddleware)
+    site.add_middleware(GZipMiddleware, compresslevel=1)  # on one machine, more takes longer
     return site
 
 
@@ -150,44 +126,6 @@ def _replace(site: FastAPI, place: str, content: bytes) -> None:
     def answer() -> Response:
         # Asked for again: another rodgen may have less left out.
         return Response(content, headers={"Cache-Control": "no-cache"}, media_type=kind)
-
-
-def _addresses(host: str, port: int, token: str | None) -> tuple[str, str]:
-    """Addresses for a browser, elsewhere where that is possible, and on this machine."""
-    everywhere = host in EVERYWHERE
-    here = "localhost" if everywhere or host in OWN else host
-    elsewhere = _network_name() if everywhere else here
-
-    def address(name: str) -> str:
-        place = f"[{name}]" if ":" in name else name
-        return f"http://{place}:{port}/" + (f"?{TOKEN}={token}" if token else "")
-
-    return address(elsewhere), address(here)
-
-
-def _network_name() -> str:
-    """Name of this machine for others in its network: the address from which it would send (nothing
-    is sent), else its host name."""
-    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as outward:
-        try:
-            outward.connect(ELSEWHERE)
-        except OSError:
-            return socket.gethostname()
-        return str(outward.getsockname()[0])
-
-
-def _listen(host: str, port: int) -> socket.socket:
-    """Open a socket that holds the address from now on."""
-    family = socket.AF_INET6 if ":" in host else socket.AF_INET
-    both = ":" in host and socket.has_dualstack_ipv6()
-    try:  # listening, so that the address answers as soon as it is told
-        return socket.create_server(
-            (host, port), family=family, backlog=MOST_WAITING, dualstack_ipv6=both
-        )
-    except OSError as error:
-        named, given = ("--port", port) if error.errno in PORT_ERRORS else ("--host", host)
-        reason = error.strerror or error
-        raise InputError(named, given, f"one that can be listened on ({reason})") from None
 
 
 async def serve_channel(socket: WebSocket, name: str, sessions: Sessions) -> None:

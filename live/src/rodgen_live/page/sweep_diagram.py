@@ -22,14 +22,14 @@ class SweepPoint(NamedTuple):
 @dataclass
 class Diagram:
     """Points along a curve. id: of the plot; up, over: label and unit of the axes; take: called
-    with a point that was clicked; marks: values that are marked."""
+    with a point that was clicked; marks: values that are marked, and words for each."""
 
     id: str
     up: tuple[str, str]
     over: tuple[str, str]
     take: Callable[[SweepPoint], Coroutine[Any, Any, None]]
     points: list[SweepPoint] = field(default_factory=list)
-    marks: list[float] = field(default_factory=list)
+    marks: list[tuple[float, str]] = field(default_factory=list)
 
     @property
     def spec(self) -> dict[str, Any]:

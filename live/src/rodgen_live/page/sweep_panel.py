@@ -134,15 +134,16 @@ class SweepPanel:
         change = "all over the range"
         if critical is not None:
             change = f"up to {critical:.4g} {self.field.unit}".rstrip()
+            change += f", where {self._found['change']}"
         when = f", loads as at t = {self._t:.3g} s" if self.page.scene.time_dependent_loads else ""
         special = self._found.get("special", ())
         points = (f"{KINDS.get(kind, kind)} at {value:.5g}" for value, kind in special)
         return "; ".join(filter(None, (f"straight{when}: {words} {change}", *points, note)))
 
     def _set_marks(self) -> None:
-        values = [self.field.value, self.critical]
+        marks = (self.field.value, "now"), (self.critical, self._found.get("change", ""))
         for one in (self._map, self._equilibria):
-            one.marks = [value for value in values if value is not None]
+            one.marks = [(value, words) for value, words in marks if value is not None]
 
     async def _apply_point(self, point: SweepPoint) -> None:
         """Take the value of a point, and its state, if it has one. Raises InputError."""

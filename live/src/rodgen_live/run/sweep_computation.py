@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 
 from rodgen.analyse.branches.equilibrium_branch import continue_equilibria
+from rodgen.analyse.modal import DIVERGENCE, FLUTTER
 from rodgen.analyse.modes import natural_modes
 from rodgen.errors import AnalysisError, InputError
 from rodgen.scene import Scene
@@ -34,8 +35,8 @@ Row = list[Any]  # value, largest growth [1/s], whether stable; None where it fa
 
 def sweep(scene: Scene, key: str, low: float, high: float, t: float) -> Iterator[Part]:
     """Sweep a number in parts: "rows" of the stability map; "critical", the value at which the
-    stability changes first, or None; "branch" and "special" of the bifurcation diagram, nothing
-    where all equilibria are straight, or "note", why there is none.
+    stability changes first, and "change", how, or nothing; "branch" and "special" of the
+    bifurcation diagram, nothing where all equilibria are straight, or "note", why there is none.
     t: the time whose loads are taken [s]. Raises InputError."""
     if scene.rod.links > MOST_LINKS:
         raise InputError("rod.links", scene.rod.links, f"at most {MOST_LINKS} for a sweep")
@@ -49,7 +50,7 @@ def sweep(scene: Scene, key: str, low: float, high: float, t: float) -> Iterator
         found = [stability_row(system, key, value, t) for value in values[at : at + TOGETHER]]
         rows += found
         yield {"rows": found}
-    yield {"critical": _critical_value(system, key, rows, t)}
+    yield _change_of_stability(system, key, rows, t)
     yield _branch(scene, key, (low, high), t)
 
 
@@ -76,19 +77,23 @@ def _name_number(scene: Scene, key: str) -> tuple[Scene, str]:
     return scene.replace({outer: replace_literal_by_name(text, at, SWEPT), name: value}), name
 
 
-def _critical_value(system: System, key: str, rows: list[Row], t: float) -> float | None:
-    """First value at which the straight rod becomes unstable, or stable; None without one."""
+def _change_of_stability(system: System, key: str, rows: list[Row], t: float) -> Part:
+    """First value at which the straight rod becomes unstable, or stable, and how; nothing without
+    one."""
     known = [(value, stable) for value, _, stable in rows if stable is not None]
     for (low, before), (high, after) in pairwise(known):
         if before == after:
             continue
+        found = natural_modes(system.at({key: high if before else low}), MODES, t=t)
+        kind = FLUTTER if found.frequencies[found.growth.argmax()] else DIVERGENCE
         for _ in range(ROUNDS):
             places = np.linspace(low, high, PARTS + 1).tolist()
             inner = (stability_row(system, key, value, t)[-1] == before for value in places[1:-1])
             first = [*inner, False].index(False)
             low, high = places[first : first + 2]
-        return float(f"{(low + high) / 2:.4g}")
-    return None
+        change = f"{kind} {'begins' if before else 'ends'}"
+        return {"critical": float(f"{(low + high) / 2:.4g}"), "change": change}
+    return {}
 
 
 def _branch(scene: Scene, key: str, ends: tuple[float, float], t: float) -> Part:

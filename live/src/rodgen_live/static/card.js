@@ -132,7 +132,7 @@ export class Card {
     const begin = performance.now();
     const { kind } = this.spec;
     this.marks = hub.past.marks;
-    const changes = kind === "time" ? this.marks.map(([t]) => t) : [];
+    const changes = kind === "time" ? this.marks.map(([t]) => [t, ""]) : [];
     this.chart.draw({ ...this.curves.now(now), marks: this.swept ?? changes });
     this.gestures.tell();
     Object.assign(this, { dirty: false, drawn: now });

@@ -3,6 +3,7 @@
 import { PLANE } from "./curves.js";
 import { make } from "./dom.js";
 import { dots, straight, trace } from "./paths.js";
+import { outlined } from "./rod_marks.js";
 import { nearest } from "./rows.js";
 import { alike, base, decades, short, written } from "./scales.js";
 import { classes, theme } from "./theme.js";
@@ -29,7 +30,7 @@ export const entry = ({ y }, { name, label, unit }) =>
   axisName({ label: label ?? name, unit: y.unit ? "" : unit });
 
 export class Chart {
-  // What Curves.now gives, and `marks`, values of x.
+  // What Curves.now gives, and `marks`: values of x, and words for each.
   shown = { x: [0, 1], y: [0, 1], times: null, across: [], up: [], marks: [] };
   found = null; // the row that is looked at, counted among those shown
   led = false; // whether the pointer is over the picture: then no other place is looked at in it
@@ -175,7 +176,7 @@ export class Chart {
     if (this.time !== null) this.look(this.time);
   }
 
-  // Lines at values of x.
+  // Lines at values of x, with words at their tops, one below the other.
   #mark() {
     const { ctx, bbox } = this.plot;
     const [low, high] = this.shown.x;
@@ -184,12 +185,23 @@ export class Chart {
     ctx.globalAlpha = 0.6;
     ctx.setLineDash([4, 4].map((pixels) => pixels * this.#dense));
     ctx.beginPath();
-    for (const value of this.shown.marks.filter((one) => one >= low && one <= high)) {
-      const x = Math.round(this.plot.valToPos(value, "x", true)) + 0.5;
+    const places = this.shown.marks
+      .filter(([value]) => value >= low && value <= high)
+      .map(([value, words]) => [Math.round(this.plot.valToPos(value, "x", true)) + 0.5, words]);
+    for (const [x] of places) {
       ctx.moveTo(x, bbox.top);
       ctx.lineTo(x, bbox.top + bbox.height);
     }
     ctx.stroke();
+    const pixel = this.#dense * devicePixelRatio;
+    ctx.scale(pixel, pixel);
+    ctx.setLineDash([]);
+    Object.assign(ctx, { globalAlpha: 1, font: 11 + FONT, fillStyle: theme().ink });
+    for (const [row, [x, words]] of places.entries()) {
+      const left = x > bbox.left + bbox.width / 2;
+      ctx.textAlign = left ? "right" : "left";
+      outlined(ctx, words, x / pixel + (left ? -4 : 4), bbox.top / pixel + 12 + 14 * row, theme());
+    }
     ctx.restore();
   }
 

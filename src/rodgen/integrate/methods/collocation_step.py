@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from scipy.linalg import lu_factor, lu_solve
+import scipy
 
 from rodgen.arrays import Array
 from rodgen.integrate.stepper import Counts, InitialValueProblem, Rhs
@@ -85,7 +85,9 @@ class CollocationStep:
 
     def damp(self, defect: Array) -> Array:
         """Damp the stiff part of a defect by the Newton matrix."""
-        return np.asarray(lu_solve(self.real, MU / self.h * defect, check_finite=False))
+        return np.asarray(
+            scipy.linalg.lu_solve(self.real, MU / self.h * defect, check_finite=False)
+        )
 
     @cached_property
     def corrections(self) -> Array:
@@ -157,7 +159,8 @@ class StageSolver:
         """Factors of the real and of the complex Newton matrix of a step h."""
         self.counts.nlu += 2
         real, pair = (
-            lu_factor(mu / h * np.eye(len(J)) - J, check_finite=False) for mu in (MU, MU_PAIR)
+            scipy.linalg.lu_factor(mu / h * np.eye(len(J)) - J, check_finite=False)
+            for mu in (MU, MU_PAIR)
         )
         return real, pair
 
@@ -177,9 +180,9 @@ class StageSolver:
             F = TI @ np.stack([self.rates(t + c * h, y + row) for c, row in stages])
             if not np.isfinite(F).all():
                 return None, iteration
-            first = lu_solve(real, F[0] - MU / h * w[0], check_finite=False)
+            first = scipy.linalg.lu_solve(real, F[0] - MU / h * w[0], check_finite=False)
             moved = F[1] + 1j * F[2] - MU_PAIR / h * (w[1] + 1j * w[2])
-            others = lu_solve(pair, moved, check_finite=False)
+            others = scipy.linalg.lu_solve(pair, moved, check_finite=False)
             change = np.stack((first, others.real, others.imag))
             w = w + change
             z = T @ w

@@ -11,8 +11,7 @@ from importlib import import_module
 from typing import Any
 
 import numpy as np
-import scipy.integrate
-from scipy.integrate import DOP853, OdeSolver
+import scipy
 
 from rodgen.arrays import Array
 from rodgen.errors import InputError, install_command
@@ -126,7 +125,9 @@ class ScipyStep:
         exact = {"jac": problem.jac} if method.implicit else {}
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")
-            self._solver: OdeSolver = solver(self._rates, t, y, problem.end, **given, **exact)
+            self._solver: scipy.integrate.OdeSolver = solver(
+                self._rates, t, y, problem.end, **given, **exact
+            )
 
     def _rates(self, t: float, y: Array) -> Array:
         rate = self._problem.rhs(t, y)
@@ -176,7 +177,10 @@ class ScipyStep:
         """Dense output of the last step; of DOP853, where it is off, that of steps over parts of
         it."""
         dense = self._solver.dense_output()
-        if isinstance(self._solver, DOP853) and (parts := self._count_parts(dense)) > 1:
+        if (
+            isinstance(self._solver, scipy.integrate.DOP853)
+            and (parts := self._count_parts(dense)) > 1
+        ):
             dense = self._dense_in_parts(dense.t_old, dense.y_old, parts) or dense
         return lambda times: dense(times).T
 
