@@ -51,10 +51,13 @@ class Stepped:
     def run_status(self) -> None:
         """What texts are made of."""
 
+    def told(self) -> None:
+        """Nobody is told of other rows."""
+
 
 @pytest.fixture
 def run(monkeypatch: pytest.MonkeyPatch) -> Stepped:
-    monkeypatch.setattr(page_state, "row_texts", lambda *_: {})
+    monkeypatch.setattr(page_state, "row_groups", lambda *_: {})
     return Stepped(Scene.from_dict(ROD))
 
 
@@ -65,7 +68,7 @@ def while_made(monkeypatch: pytest.MonkeyPatch, does: Callable[[], None]) -> Non
         does()
         return {}
 
-    monkeypatch.setattr(page_state, "row_texts", meanwhile)
+    monkeypatch.setattr(page_state, "row_groups", meanwhile)
 
 
 # Pages that come and go ------------------------------------------------------------------------

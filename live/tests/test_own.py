@@ -50,6 +50,11 @@ def test_units_of_expressions(catalogue: Catalogue) -> None:
         ("total_energy - bending_moment_1", "J"),  # 1 J = 1 N m
         ("sqrt(tip_x**2 + tip_y**2)", "m"),
         ("bending_moment_1/tip_x**2", "N/m"),
+        ("2*bending_moment_1", "N m"),
+        ("total_energy/omega_0**2", "J s²/rad²"),
+        ("min(tip_x, 3) - 0.5 + 0.1*abs(tip_y)", "m"),  # numbers may have any unit
+        ("omega_0*cos(phi_0)**2", "rad/s"),
+        ("tip_x*interp(t, [0, 1], [0, 1])", ""),
         ("max(phi_0, 0) if t < 1 else phi_1", "rad"),
         ("sin(phi_0)", ""),
         ("tip_x + phi_0", ""),  # no unit

@@ -156,6 +156,18 @@ def test_kick_and_pull_are_undone(page: PageRun, other: LiveRun) -> None:
     assert run.undo.next_state(forth=False) is None  # of another run
 
 
+def test_kicks_that_are_alike_are_undone_one_by_one(page: PageRun) -> None:
+    run = page.run
+    for t in (0.1, 0.2):
+        to(run, t)
+        run.submit(lambda: run.kick(2, 0.5, (3.0, 1.0))).result()
+    to(run, 0.3)
+    for ends, marks in ((0.2, 1), (0.1, 0)):
+        finished(page.undo())
+        assert run.store.span == (0.0, pytest.approx(ends, abs=0.01))  # a sample
+        assert len(run.marks.every) == marks
+
+
 def test_text_of_a_run_is_that_of_its_file_with_its_changes(page: PageRun) -> None:
     """Its comments stay, also over an undo; of a scene without a text it is as `to_toml` has it."""
     assert page.text == SCENE.to_toml()

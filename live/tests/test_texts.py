@@ -19,11 +19,11 @@ from rodgen_live.panel_rows import (
     WIDTH,
     CriticalForce,
     RunStatus,
+    TextRow,
     format_decimals,
     format_integer,
     format_significant,
     row_groups,
-    row_texts,
 )
 from rodgen_live.sample_store import Chunk
 from tests.palette import ENDS
@@ -31,7 +31,9 @@ from tests.palette import ENDS
 Make = Callable[..., Scene]
 
 
-def shown(scene: Scene, y: Array | None = None, t: float = 0.0, **present: Any) -> dict[str, str]:
+def groups_of(
+    scene: Scene, y: Array | None = None, t: float = 0.0, **present: Any
+) -> dict[str, list[TextRow]]:
     """The panel for a state (states,), by default the initial one."""
     model = rodgen.build(scene)
     y = scene.initial_state() if y is None else y
@@ -40,8 +42,13 @@ def shown(scene: Scene, y: Array | None = None, t: float = 0.0, **present: Any) 
     work = np.arange(1.0, len(works) + 1)[None]
     chunk = Chunk(np.array([t]), y[None], work, works, p, given=present.pop("given", 0.0))
     cost = {"counts": Counts(), "seconds": 0.0, "settings": scene.integrate, **present}
-    texts = row_texts(RunStatus(scene, model, chunk, **cost))
-    return {key: text.strip() for key, text in texts.items()}
+    return row_groups(RunStatus(scene, model, chunk, **cost))
+
+
+def shown(*state: Any, **present: Any) -> dict[str, str]:
+    """Texts of the panel."""
+    rows = (row for rows in groups_of(*state, **present).values() for row in rows)
+    return {row.key: row.text.strip() for row in rows if row.text is not None}
 
 
 def numbers(text: str) -> Any:
@@ -117,7 +124,7 @@ def test_a_straight_rod_has_the_inertia_of_a_bar(make_scene: Make) -> None:
 )
 def test_rows_are_those_of_the_scene(make_scene: Make, links: int, terms: tuple[str, ...]) -> None:
     scene = make_scene(links, terms=terms)
-    titles = {title: [row.key for row in rows] for title, rows in row_groups(scene).items()}
+    titles = {title: [row.key for row in rows] for title, rows in groups_of(scene).items()}
     rows = [key for found in titles.values() for key in found]
     assert set(shown(scene)) == set(rows) - {"t"}  # which comes with every picture
     assert ("Loads and damping" in titles) == bool(terms)
@@ -140,7 +147,7 @@ def test_loads_and_works_are_those_of_the_present(make_scene: Make) -> None:
     assert values["tip_force_y"] == pytest.approx(-4 * np.cos(2.1), rel=DIGITS)
     assert values["tip_force_x"] == 6.0
     assert [values[f"fin_factor_{at}"] for at in ("nose", "body", "tail")] == [1, 1, 5]
-    rows = {row.key: row for row in row_groups(scene)["Loads and damping"]}
+    rows = {row.key: row for row in groups_of(scene)["Loads and damping"]}
     assert rows["tip_force_y"].label != "tip force y"  # which changes with time
     assert rows["tip_force_x"].label == "tip force x"
     assert rows["internal_damping"].unit == "m²/s"

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
-from functools import cached_property, partial
+from functools import cached_property
 from types import MappingProxyType, ModuleType
 from typing import NamedTuple
 
@@ -30,6 +30,7 @@ THIN_SPACE = "\u202f"  # between thousands, where no line is broken
 NOTHING = "–"
 ANGLE = 3  # decimals of degrees
 ROUNDING = 1e-12  # of the larger principal moment
+PARTS = {"nose": slice(1), "body": slice(1, -1), "tail": slice(-1, None)}  # of the joints
 CRITICAL = "kind", "frequency", "modes", "error"  # rows that are shown of a critical force
 
 
@@ -57,12 +58,14 @@ def pad(text: str) -> str:
 
 
 class TextRow(NamedTuple):
-    """A row of the panel: key, label, unit; without a label it is a row of text alone. It is
-    not there while its text is empty."""
+    """A row of the panel: key, label, unit; without a label it is a row of text alone. text: a
+    number as wide as all others, without its unit, or words; while it is empty the row is not
+    there; None: the page has it otherwise."""
 
     key: str
     label: str
     unit: str
+    text: str | None
 
 
 class CriticalForce(NamedTuple):
@@ -127,111 +130,83 @@ class RunStatus:
 
 
 Value = float | str | None  # None: not known
-Entry = tuple[TextRow, Callable[[RunStatus], Value] | None]
+Groups = dict[str, list[TextRow]]
 
 
-def row_groups(scene: Scene) -> dict[str, list[TextRow]]:
-    """The rows of the panel by the title of their group: those of loads, springs and settings that
-    the scene has. They are fixed by its structure and the kind of its method."""
-    made = {title: [row for row, _ in make(scene)] for title, make in SECTIONS.items()}
+def row_groups(now: RunStatus) -> Groups:
+    """Rows of the panel by the title of their group: those of loads, springs and settings that the
+    scene has. Which they are is fixed by its structure and the kind of its method."""
+    with np.errstate(all="ignore"):  # a state may have stopped being finite
+        made = {title: list(make(now)) for title, make in SECTIONS.items()}
     return {title: rows for title, rows in made.items() if rows}
 
 
-def row_texts(now: RunStatus) -> dict[str, str]:
-    """Text of every row of `row_groups`, by key: a number as wide as all others, without its unit,
-    or words. The time is left out, as the page has it with every picture."""
-    with np.errstate(all="ignore"):  # a state may have stopped being finite
-        rows = (one for make in SECTIONS.values() for one in make(now.scene))
-        return {row.key: _format_value(value(now), row) for row, value in rows if value}
-
-
-def _format_value(value: Value, row: TextRow) -> str:
+def _row(key: str, label: str, unit: str, value: Value) -> TextRow:
     if value is None:
-        return pad(NOTHING)
-    if isinstance(value, str):
-        return pad(value) if value and row.label else value
-    return format_integer(value) if isinstance(value, int) else format_significant(value)
+        text = pad(NOTHING)
+    elif isinstance(value, str):
+        text = pad(value) if value and label else value
+    else:
+        text = format_integer(value) if isinstance(value, int) else format_significant(value)
+    return TextRow(key, label, unit, text)
 
 
-def _row(key: str, label: str, unit: str, value: Callable[[RunStatus], Value]) -> Entry:
-    return TextRow(key, label, unit), value
-
-
-def _parameter(name: str, more: str = "") -> Entry:
+def _parameter(now: RunStatus, name: str, more: str = "") -> TextRow:
     """Row that shows a parameter; more: text after its label."""
     one = PARAMETERS[name]
-    return _row(name, one.label + more, one.display_unit, lambda now: now.parameter(name))
+    return _row(name, one.label + more, one.display_unit, now.parameter(name))
 
 
-def _quantity(name: str, label: str = "") -> Entry:
-    """Row that shows a scalar of the catalogue, with its words there unless a label is given."""
+def _quantity(now: RunStatus, name: str, label: str = "", least: float = 0.0) -> TextRow:
+    """Row that shows a scalar of the catalogue, with its words there unless a label is given;
+    least: smaller values are rounding errors, which are shown as zero."""
     quantity, at = find_quantity(name)
     label = label or quantity.words + (f", {'xy'[at[0]]}" if at else "")
-    return _row(name, label, typeset(quantity.unit), lambda now: now.value(quantity.name, at))
+    value = now.value(quantity.name, at)
+    return _row(name, label, typeset(quantity.unit), 0.0 if abs(value) < least else value)
 
 
-def _moment(name: str, label: str = "") -> Entry:
-    """Row that shows a moment or product of inertia; rounding errors are shown as zero."""
-    quantity, at = find_quantity(name)
-
-    def rounded(now: RunStatus) -> float:
-        value, largest = now.value(quantity.name, at), now.value("principal_moments", (1,))
-        return 0.0 if abs(value) < ROUNDING * largest else value
-
-    return _quantity(name, label)[0], rounded
-
-
-def _rod(scene: Scene) -> Iterator[Entry]:
-    known, boundary = scene.structure.parameters, scene.boundary_condition
+def _rod(now: RunStatus) -> Iterator[TextRow]:
+    scene, boundary = now.scene, now.scene.boundary_condition
     for parameter in (*ROD, *boundary.parameters):
-        if parameter.name in known:
-            yield _parameter(parameter.name)
+        if parameter.name in scene.structure.parameters:
+            yield _parameter(now, parameter.name)
     laws = scene.distribution.nonuniform_values
     for one in (*ROD, MASS_PER_LENGTH):
         if isinstance(law := laws.get(one.key), str):
-            said = f"{one.label} = {law} {one.display_unit}"
-            yield TextRow(f"{one.name}_law", "", ""), partial(_constant_text, said)
-    for at, body in enumerate(scene.bodies):
-        mass = partial(_body_mass, at)
-        yield _row(f"body_mass_{at}", f"mass of {body.name}", "kg", mass)
-    yield _row("links", "links", "", lambda now: now.scene.rod.links)
-    yield _row("link_length", "length of a link", "m", lambda now: now.per_link("length"))
-    yield _row("link_mass", "mass of a link", "kg", lambda now: _format_range(now.link_mass))
-    unit = "N m/rad"
+            yield _row(f"{one.name}_law", "", "", f"{one.label} = {law} {one.display_unit}")
+    if scene.bodies:
+        masses = scene.distribution_at(float(now.motion.t[-1])).body_masses
+        for at, body in enumerate(scene.bodies):
+            yield _row(f"body_mass_{at}", f"mass of {body.name}", "kg", float(masses[at]))
+    yield _row("links", "links", "", scene.rod.links)
+    yield _row("link_length", "length of a link", "m", now.per_link("length"))
+    yield _row("link_mass", "mass of a link", "kg", _format_range(now.link_mass))
+    unit, stiffness = "N m/rad", now.stiffness
     if scene.rod.links > 1:
-        label = "stiffness of a spring"
         inner = slice(bool(boundary.root), scene.rod.links - 1 + bool(boundary.root))
-        yield _row("spring_stiffness", label, unit, lambda now: _format_range(now.stiffness[inner]))
+        shown = _format_range(stiffness[inner])
+        yield _row("spring_stiffness", "stiffness of a spring", unit, shown)
     if boundary.root:
         label = "stiffness of the root spring"
-        yield _row("root_stiffness", label, unit, lambda now: float(now.stiffness[0]))
+        yield _row("root_stiffness", label, unit, float(stiffness[0]))
 
 
-def _constant_text(text: str, _: RunStatus) -> str:
-    return text
-
-
-def _body_mass(at: int, now: RunStatus) -> float:
-    return now.scene.distribution_at(float(now.motion.t[-1])).body_masses[at]
-
-
-def _loads(scene: Scene) -> Iterator[Entry]:
-    parts = {"nose": slice(1), "body": slice(1, -1), "tail": slice(-1, None)}
+def _loads(now: RunStatus) -> Iterator[TextRow]:
+    scene = now.scene
     for name in scene.loads.parameters:
         one = PARAMETERS[name]
-        if one.each == JOINTS:
-            for part, joints in parts.items():
+        if not one.is_array:
+            yield _parameter(now, name, ", at present" if name in scene.expressions else "")
+        elif one.each == JOINTS:
+            values = now.chunk.p[scene.structure.slices[name]]
+            for part, joints in PARTS.items():
                 if scene.rod.links > 1 or part != "body":
-                    label, range_of = f"{one.label}, {part}", partial(_range_of, name, joints)
-                    yield _row(f"{name}_{part}", label, one.display_unit, range_of)
-        elif one.is_array and name not in scene.loads_along_rod:
-            yield _row(name, one.label, one.display_unit, partial(_range_of, name, slice(None)))
-        elif not one.is_array:
-            yield _parameter(name, ", at present" if name in scene.expressions else "")
-
-
-def _range_of(name: str, places: slice, now: RunStatus) -> str:
-    return _format_range(now.chunk.p[now.scene.structure.slices[name]][places])
+                    label, shown = f"{one.label}, {part}", _format_range(values[joints])
+                    yield _row(f"{name}_{part}", label, one.display_unit, shown)
+        elif name not in scene.loads_along_rod:
+            shown = _format_range(now.chunk.p[scene.structure.slices[name]])
+            yield _row(name, one.label, one.display_unit, shown)
 
 
 def _format_range(values: Array) -> str:
@@ -239,121 +214,82 @@ def _format_range(values: Array) -> str:
     return low if low == high else f"{low.strip()} to {high.strip()}"
 
 
-def _critical_rows(scene: Scene) -> Iterator[Entry]:
-    for term in map(TERMS.__getitem__, scene.loads.follower_loads[:1]):
-        if not term.has_size:
-            continue
-        (force,) = (one.name for one in term.size_parameters)
-        yield _parameter(force)
-        yield _row("critical_load", "critical force", "N", lambda now: _critical(now)[0])
-        yield _row("critical_why", "", "", lambda now: _critical(now)[1])
-        yield _row(
-            "critical_ratio", "force over critical force", "%", partial(_critical_ratio, force)
-        )
-        label = "distance to the critical force"
-        yield _row("critical_distance", label, "N", partial(_critical_distance, force))
-        for row in Critical.ROWS:
-            if row.name in CRITICAL:
-                yield _row(f"critical_{row.name}", row.words, "", partial(_critical_row, row.words))
-        yield _row("critical_notes", "", "", lambda now: "; ".join(now.critical.notes))
+def _critical_rows(now: RunStatus) -> Iterator[TextRow]:
+    terms = [TERMS[name] for name in now.scene.loads.follower_loads[:1]]
+    if not terms or not terms[0].has_size:
+        return
+    (name,) = (one.name for one in terms[0].size_parameters)
+    yield _parameter(now, name)
+    force, found = now.parameter(name), now.critical.value
+    too_long = isinstance(found, str) and len(found) > WIDTH
+    yield _row("critical_load", "critical force", "N", None if too_long else found)
+    yield _row("critical_why", "", "", found if too_long else "")
+    ratio = distance = None
+    if isinstance(found, float):
+        distance = found - force
+        ratio = format_decimals(100 * force / found, 2) if found else None
+    yield _row("critical_ratio", "force over critical force", "%", ratio)
+    yield _row("critical_distance", "distance to the critical force", "N", distance)
+    for row in Critical.ROWS:
+        if row.name in CRITICAL:
+            shown = now.critical.rows.get(row.words, "")
+            yield _row(f"critical_{row.name}", row.words, "", shown)
+    yield _row("critical_notes", "", "", "; ".join(now.critical.notes))
 
 
-def _critical(now: RunStatus) -> tuple[Value, str]:
-    """Critical force, and the reason why there is none, if it is too long for the row of that."""
-    found = now.critical.value
-    return (None, found) if isinstance(found, str) and len(found) > WIDTH else (found, "")
-
-
-def _critical_row(words: str, now: RunStatus) -> str:
-    return now.critical.rows.get(words, "")
-
-
-def _critical_ratio(force: str, now: RunStatus) -> Value:
-    found = now.critical.value
-    if not isinstance(found, float) or not found:
-        return None
-    return format_decimals(100 * now.parameter(force) / found, 2)
-
-
-def _critical_distance(force: str, now: RunStatus) -> Value:
-    found = now.critical.value
-    return found - now.parameter(force) if isinstance(found, float) else None
-
-
-def _geometry(_: Scene) -> Iterator[Entry]:
-    yield _quantity("centre_of_gravity_x")
-    yield _quantity("centre_of_gravity_y")
-    for at in (1, 2):
-        direction = partial(_direction, 90.0 * (at - 1))
-        yield _row(f"principal_direction_{at}", f"principal direction {at}", "°", direction)
-    yield _moment("principal_moment_1", "principal moment 1")
-    yield _moment("principal_moment_2", "principal moment 2")
-    yield _moment("inertia_x")
-    yield _moment("inertia_y")
-    yield _moment("product_xy")
-
-
-def _direction(turned: float, now: RunStatus) -> str:
-    """Direction of the principal axis [degrees], or of what is turned from it, above -90."""
+def _geometry(now: RunStatus) -> Iterator[TextRow]:
+    yield _quantity(now, "centre_of_gravity_x")
+    yield _quantity(now, "centre_of_gravity_y")
     angle = math.degrees(now.value("principal_angle"))
-    return format_decimals(angle + (turned if angle <= 0 else -turned), ANGLE)
+    # Either is above -90 degrees.
+    for at, direction in enumerate((angle, angle + (90.0 if angle <= 0 else -90.0)), 1):
+        shown = format_decimals(direction, ANGLE)
+        yield _row(f"principal_direction_{at}", f"principal direction {at}", "°", shown)
+    least = ROUNDING * now.value("principal_moments", (1,))
+    for at in (1, 2):
+        yield _quantity(now, f"principal_moment_{at}", f"principal moment {at}", least)
+    for name in ("inertia_x", "inertia_y", "product_xy"):
+        yield _quantity(now, name, least=least)
 
 
-def _energies(scene: Scene) -> Iterator[Entry]:
-    yield _quantity("kinetic_energy")
-    yield _quantity("spring_energy")
-    terms = [TERMS[term] for term in scene.structure.loads]
+def _energies(now: RunStatus) -> Iterator[TextRow]:
+    structure = now.scene.structure
+    yield _quantity(now, "kinetic_energy")
+    yield _quantity(now, "spring_energy")
+    terms = [TERMS[term] for term in structure.loads]
     if any(term.kind == WEIGHT for term in terms):
-        yield _quantity("gravity_energy")
-    yield _quantity("total_energy", "total energy")
+        yield _quantity(now, "gravity_energy")
+    yield _quantity(now, "total_energy", "total energy")
     works = {term.name: term.words for term in terms if term.kind != WEIGHT}
-    works |= {EMPTYING: EMPTYING} if scene.structure.masses else {}
+    works |= {EMPTYING: EMPTYING} if structure.masses else {}
     for name, words in works.items():
-        yield _row(f"work_{name}", f"work of {words}", "J", partial(_work, f"work_{name}"))
+        key = f"work_{name}"  # which a module may lack
+        yield _row(key, f"work of {words}", "J", now.value(key) if name in now.motion.work else "")
     # Not there until something is done to the run.
-    given = "given by changes, kicks and pulls"
-    yield _row("given", given, "J", lambda now: now.chunk.given or "")
-    yield _quantity("energy_balance", "balance error")
+    yield _row("given", "given by changes, kicks and pulls", "J", now.chunk.given or "")
+    yield _quantity(now, "energy_balance", "balance error")
 
 
-def _work(name: str, now: RunStatus) -> Value:
-    """Work of a load; nothing where the module has no such work."""
-    return now.value(name) if name.removeprefix("work_") in now.motion.work else ""
-
-
-def _integration(scene: Scene) -> Iterator[Entry]:
-    yield _row("method", "method", "", _method)
-    if scene.integrate.has_fixed_step:
-        yield _row("step", "step", "s", _step)
-    else:
-        yield _row("rtol", "relative tolerance", "", lambda now: now.settings.rtol)
-        yield _row("atol", "absolute tolerance", "", lambda now: now.settings.atol)
-    yield TextRow("t", "simulated time", "s"), None
-    yield _row("seconds", "computing time", "s", lambda now: format_decimals(now.seconds, 2))
-    yield _row("ratio", "ratio to real time", "", _ratio)
-    yield _row("steps", "steps", "", lambda now: now.counts.nsteps)
-    yield _row("rejected", "rejected steps", "", lambda now: now.counts.rejected)
-    yield _row("rhs", "evaluations of rhs", "", lambda now: now.counts.nfev)
-
-
-def _method(now: RunStatus) -> str:
-    asked, used = now.scene.integrate, now.settings
-    if used.rtol != asked.rtol:
-        return f"{used.method} (for looking)"
+def _integration(now: RunStatus) -> Iterator[TextRow]:
+    asked, used, counts = now.scene.integrate, now.settings, now.counts
     by_rule = asked.method == AUTO != used.method
-    return f"{used.method} ({AUTO})" if by_rule else used.method
+    why = " (for looking)" if used.rtol != asked.rtol else f" ({AUTO})" * by_rule
+    yield _row("method", "method", "", used.method + why)
+    if asked.has_fixed_step:
+        yield _row("step", "step", "s", used.step if used.has_fixed_step else None)
+    else:
+        yield _row("rtol", "relative tolerance", "", used.rtol)
+        yield _row("atol", "absolute tolerance", "", used.atol)
+    yield TextRow("t", "simulated time", "s", None)  # it comes with every picture
+    yield _row("seconds", "computing time", "s", format_decimals(now.seconds, 2))
+    ratio = None if now.ratio is None else format_significant(now.ratio, 3)
+    yield _row("ratio", "ratio to real time", "", ratio)
+    yield _row("steps", "steps", "", counts.nsteps)
+    yield _row("rejected", "rejected steps", "", counts.rejected)
+    yield _row("rhs", "evaluations of rhs", "", counts.nfev)
 
 
-def _step(now: RunStatus) -> Value:
-    return now.settings.step if now.settings.has_fixed_step else None
-
-
-def _ratio(now: RunStatus) -> Value:
-    ratio = now.ratio
-    return None if ratio is None else format_significant(ratio, 3)
-
-
-SECTIONS: dict[str, Callable[[Scene], Iterator[Entry]]] = {
+SECTIONS: dict[str, Callable[[RunStatus], Iterator[TextRow]]] = {
     "Rod": _rod,
     "Loads and damping": _loads,
     "Critical force": _critical_rows,

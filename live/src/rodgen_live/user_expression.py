@@ -2,20 +2,18 @@
 
 from __future__ import annotations
 
-import ast
-import math
 import re
-from collections.abc import Callable, Iterable, Mapping, Sequence, Set
-from contextlib import suppress
+from collections.abc import Callable, Mapping, Sequence, Set
 from dataclasses import dataclass, replace
 from types import ModuleType
+from typing import Any
 
 import numpy as np
 
 from rodgen.arrays import Array
 from rodgen.errors import InputError, did_you_mean
 from rodgen.scene.expression import Expression
-from rodgen.scene.grammar import FUNCTIONS, TABLE, names_in, parse
+from rodgen.scene.grammar import FUNCTIONS, TABLE
 from rodgen_live.sample_store import Chunk
 
 LONGEST = 200  # letters
@@ -55,12 +53,22 @@ class UserExpression:
     def unit(self, units: Mapping[str, str]) -> str:
         """Unit that follows from those of the quantities, given by name; empty where there is none,
         or none is known, as where unlike units are added."""
-        known = {name: _parse_unit(unit) for name, unit in units.items()}
-        with suppress(KeyError, ValueError):
-            for name, one in self.rates.items():
-                known[name] = _multiply(_unit(parse(one.text, name), known), {"s": 1}, -1)
-            return _format_unit(_unit(parse(self.expression.text, "expression"), known))
-        return ""
+        parts = self.expression, *self.rates.values()
+        names = {"t", *(name for one in parts for name in one.signals)} - self.rates.keys()
+        if not names <= units.keys():
+            return ""
+        far = {name: FAR[at] * _factors(units[name]) for at, name in enumerate(sorted(names))}
+        for name, one in self.rates.items():
+            far[name] = one.evaluate(far["t"], far, PLAIN) / _factors("s")
+        found = self.expression.evaluate(far["t"], far, PLAIN) * np.ones_like(far["t"])
+        with np.errstate(all="ignore"):
+            powers = np.log2(np.abs(found[1:] / found[0]))
+        powers = powers[:, np.isfinite(powers).all(axis=0)]
+        whole = powers[:, :1].round()
+        if not powers.size or not np.allclose(powers, whole, rtol=0.0, atol=1e-6):
+            return ""
+        spelt = (units[name] for name in names if np.all(_factors(units[name])[1:] == 2.0**whole))
+        return min(spelt, default="", key=len) or _format_unit(whole[:, 0])
 
     def values(self, model: ModuleType, columns: Columns, chunk: Chunk) -> Array:
         """Values at the samples of a chunk, (K,)."""
@@ -133,76 +141,44 @@ def _evaluate(of: Expression, columns: Columns, chunk: Chunk, rates: Mapping[str
     return np.array(np.broadcast_to(found, chunk.t.shape), dtype=float)
 
 
-# Units, as far as they follow from those of the quantities --------------------------------------
+# Units: by what a value is multiplied where the values of kg, m, s or rad double -----------------
 
-Powers = dict[str, int]  # of symbols, such as {"m": 1, "s": -2}
-# Any numbers, as many times as large for symbols that stand for others: 1 J = 1 N m.
-SIZES = {"kg": 2.0, "m": 3.0, "s": 5.0, "rad": 1.0, "N": 6 / 25, "J": 18 / 25, "W": 18 / 125}
+KG, M, S, RAD = 1.0 + np.eye(4, 5, 1)  # factors of a value of this unit: 1, then for each doubled
+BASES = {"kg": KG, "m": M, "s": S, "rad": RAD}
+NAMED = {"N": KG * M / S**2, "J": KG * M**2 / S**2, "W": KG * M**2 / S**3}
 HIGH = str.maketrans("0123456789", "⁰¹²³⁴⁵⁶⁷⁸⁹")
 LOW = str.maketrans("⁰¹²³⁴⁵⁶⁷⁸⁹", "0123456789")
 SYMBOL = re.compile(r"([A-Za-z]+)([⁰¹²³⁴⁵⁶⁷⁸⁹]*)")
+# Values by name and sample, so far from zero that numbers added to them do not count: these may
+# have any unit.
+FAR = 1e15 * np.random.default_rng(0).normal(size=(LONGEST, 1, 16))
+# Functions for units; the numbers of a table have some that nobody tells.
+PLAIN: dict[str, Callable[..., Any]] = {
+    **dict.fromkeys(FUNCTIONS, lambda *_: np.float64(1)),
+    "abs": np.abs,
+    "sqrt": np.sqrt,
+    TABLE: lambda *_: np.float64(np.nan),
+    **dict.fromkeys(("min", "max"), lambda *parts: sum(parts)),
+}
 
 
-def _unit(node: ast.AST | None, units: Mapping[str, Powers]) -> Powers:
-    """Unit of an expression. Raises KeyError or ValueError where none follows."""
-    match node:
-        case ast.Name(id=name) if name != "pi":
-            return units[name]
-        case ast.UnaryOp(operand=part):
-            return _unit(part, units)
-        case ast.BinOp(left=left, op=ast.Mult() | ast.Div() as op, right=right):
-            sign = 1 if isinstance(op, ast.Mult) else -1
-            return _multiply(_unit(left, units), _unit(right, units), sign)
-        case ast.BinOp(left=base, op=ast.Pow(), right=power):
-            return _raised(_unit(base, units), ast.literal_eval(power))
-        case ast.Call(func=ast.Name(id="sqrt"), args=[part]):
-            return _raised(_unit(part, units), 0.5)
-        case ast.BinOp(left=one, right=other) | ast.IfExp(body=one, orelse=other):
-            return _common_unit((one, other), units)
-        case ast.Call(func=ast.Name(id="abs" | "min" | "max"), args=parts):
-            return _common_unit(parts, units)
-        case ast.Call(func=ast.Name(id="interp")):
-            raise ValueError
-    return {}
+def _factors(unit: str) -> Array:
+    """Factors (5, 1) of a value of this unit."""
+    found = np.ones(5)
+    for sign, part in zip((1, -1), unit.split("/"), strict=False):
+        for symbol, power in SYMBOL.findall(part):
+            found *= {**BASES, **NAMED}[symbol] ** (sign * int(power.translate(LOW) or 1))
+    return found[:, None]
 
 
-def _common_unit(parts: Iterable[ast.expr], units: Mapping[str, Powers]) -> Powers:
-    """Unit that all parts share, plain numbers aside, which may have any."""
-    found = [_unit(part, units) for part in parts if set(names_in(part)) - {"pi"}] or [{}]
-    sizes = [math.prod(SIZES[key] ** power for key, power in one.items()) for one in found]
-    if not np.allclose(sizes, sizes[0], rtol=1e-9):
-        raise ValueError
-    return found[0]
-
-
-def _raised(unit: Powers, power: float) -> Powers:
-    if any(power * of % 1 for of in unit.values()):
-        raise ValueError
-    return {key: int(power * of) for key, of in unit.items() if power}
-
-
-def _multiply(first: Powers, second: Powers, sign: int) -> Powers:
-    powers = {key: first.get(key, 0) + sign * second.get(key, 0) for key in {**first, **second}}
-    return {key: power for key, power in powers.items() if power}
-
-
-def _parse_unit(unit: str) -> Powers:
-    above, below = (
-        {symbol: int(power.translate(LOW) or 1) for symbol, power in SYMBOL.findall(part)}
-        for part in f"{unit}/".split("/")[:2]
-    )
-    return _multiply(above, below, -1)
-
-
-def _format_unit(powers: Powers) -> str:
-    def product(sign: int) -> str:
-        return " ".join(
-            symbol + (str(abs(power)).translate(HIGH) if abs(power) > 1 else "")
-            for symbol, power in powers.items()
-            if sign * power > 0
-        )
-
-    above, below = product(1), product(-1)
-    if not below:
-        return above
-    return f"{above or 1}/({below})" if " " in below else f"{above or 1}/{below}"
+def _format_unit(powers: Array) -> str:
+    """Shortest text of a unit, given the exponents of kg, m, s and rad."""
+    texts = []
+    for head, factors in {"": np.ones(5), **NAMED}.items():
+        above, below = [head] * bool(head), list[str]()
+        for symbol, power in zip(BASES, powers - np.log2(factors[1:]), strict=True):
+            size = f"{abs(power):.0f}".translate(HIGH) if abs(power) > 1 else ""
+            (above if power > 0 else below).extend([symbol + size] * bool(power))
+        under = f"({' '.join(below)})" if len(below) > 1 else "".join(below)
+        texts.append(f"{' '.join(above) or 1}/{under}" if below else " ".join(above))
+    return min(texts, key=len)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass, field
+from types import ModuleType
 from typing import Any
 
 import numpy as np
@@ -303,14 +304,10 @@ def _mode_shapes(
     q /= np.abs(q).max(axis=1, keepdims=True)
     if rod.n_base and not across.size:
         q[:, :2] = _base_displacements(state, s, q)
-    parts = [_joint_displacements(state, part) for part in (q.real, q.imag)]
-    moved = parts[0] + 1j * parts[1]
-    flat = moved.reshape(len(s), moved[0].size if len(s) else 1)
-    at = np.abs(flat).argmax(axis=1)
-    largest = flat[np.arange(len(s)), at][:, None]
+    moved, largest = joint_displacements(rod.model, rod.state_at_rest(state.at), state.p, q)
     phi = rod.all_angles(q[:, rod.n_base :])
     phi[:, : rod.scene.n_fixed_links] = 0.0
-    phi, moved = phi / largest, moved / largest[..., None]
+    phi, moved = phi / largest[:, None], moved / largest[:, None, None]
     real = np.abs(phi.imag).max(initial=0.0) <= 1e3 * STILL * np.abs(phi).max(initial=0.0)
     return (phi.real, moved.real) if real else (phi, moved)
 
@@ -329,12 +326,18 @@ def _base_displacements(state: SteadyState, s: NDArray[Any], q: NDArray[Any]) ->
     return base
 
 
-def _joint_displacements(state: SteadyState, q: Array) -> Array:
-    """Displacements (k, n+1, 2) of joints for changes of coordinates (k, coordinates)."""
-    rod = state.rod
-    y = np.tile(rod.state_at_rest(state.at), (len(q), 1))
-    y[:, : q.shape[1]] += NUDGE * q
-    up = rod.model.joints(y, state.p)
-    y[:, : q.shape[1]] -= 2 * NUDGE * q
-    moved: Array = (up - rod.model.joints(y, state.p)) / (2 * NUDGE)
-    return moved
+def joint_displacements(
+    model: ModuleType, y: Array, p: Array, q: NDArray[np.complex128]
+) -> tuple[NDArray[np.complex128], NDArray[np.complex128]]:
+    """Displacements (k, n+1, 2) of joints for small changes (k, coordinates) of the positions of a
+    state, and the largest component of each (k,)."""
+
+    def displacements(part: Array) -> Array:
+        sides = np.tile(y, (2, len(q), 1))
+        sides[..., : q.shape[1]] += NUDGE * np.array((part, -part))
+        up, down = (model.joints(side, p) for side in sides)
+        return np.asarray((up - down) / (2 * NUDGE))
+
+    moved = displacements(q.real) + 1j * displacements(q.imag)
+    flat = moved.reshape(len(q), moved[0].size if len(q) else 1)
+    return moved, flat[np.arange(len(q)), np.abs(flat).argmax(axis=1)]

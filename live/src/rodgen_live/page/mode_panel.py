@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import asyncio
 import time
 from collections.abc import Callable
 from typing import Any
@@ -11,6 +10,7 @@ from nicegui import ui
 
 from rodgen_live.page.fields import IconButton
 from rodgen_live.page.page_run import PageRun
+from rodgen_live.run.run_thread import from_threads
 from rodgen_live.run.worker_process import ASIDE, Answer, PendingRequest
 
 COMPUTING = ""  # in the list, while there are no modes
@@ -61,18 +61,15 @@ class ModePanel:
         """Request the modes of the state that is shown, if the present ones are of another."""
         if self._errand is not None or time.monotonic() < self._due:
             return
-        loop, run = asyncio.get_running_loop(), self.page.run
+        run = self.page.run
         seen, begun, system = await self.page.call(
             lambda: (run.page_sample, run.begun, run.live.system_with_support)
         )
         t, y, p = float(seen.t[-1]), seen.y[-1].tolist(), seen.p.tolist()
         if not self._timer.active or self._of == (of := (t, p, begun, system)):
             return
-
-        def receive(answer: Answer) -> None:
-            loop.call_soon_threadsafe(self._receive, answer)
-
         self._of, self._begun = of, time.monotonic()
+        receive = from_threads(self._receive)
         self._errand = ASIDE.submit("modes", system.scene, receive, t=t, y=y, p=p)
 
     def _receive(self, answer: Answer) -> None:

@@ -16,6 +16,7 @@ from rodgen.errors import InputError
 from rodgen.loading import build_fastest, is_derived
 from rodgen.scene import Scene, Structure
 from rodgen_live.page.build_process import PARTS
+from rodgen_live.run.run_thread import from_threads
 from rodgen_live.run.worker_process import end_process
 
 MOST_LINKS = 2000  # of a live run: beyond, nothing of it is live
@@ -69,7 +70,6 @@ async def _build(structure: Structure, stage: Stage) -> None:
     It is started by subprocess, which forks without Python. uvloop, the loop of the server, would
     run Python's hooks of a fork in the child, where the threads of the runs are gone.
     """
-    loop = asyncio.get_running_loop()
     process = subprocess.Popen(
         [sys.executable, "-P", "-m", "rodgen_live.page.build_process"],
         stdin=subprocess.PIPE,
@@ -77,12 +77,8 @@ async def _build(structure: Structure, stage: Stage) -> None:
         stderr=subprocess.STDOUT,
     )
     stage("preparing")
-
-    def say(line: str) -> None:
-        with suppress(RuntimeError):  # the server has ended meanwhile
-            loop.call_soon_threadsafe(stage, line)
-
-    watching = asyncio.create_task(asyncio.to_thread(_watch, process, structure, say))
+    watch = asyncio.to_thread(_watch, process, structure, from_threads(stage))
+    watching = asyncio.create_task(watch)
     try:
         last = await asyncio.shield(watching)
     finally:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import asyncio
 from collections.abc import Callable, MutableMapping
-from contextlib import suppress
 from dataclasses import dataclass
 from functools import partial
 from typing import Any
@@ -28,6 +27,7 @@ from rodgen_live.page.toolbar import Toolbar
 from rodgen_live.page.values_panel import ParametersPanel, ValuesPanel
 from rodgen_live.run.link import Link, apply_link
 from rodgen_live.run.live_run import LiveRun
+from rodgen_live.run.run_thread import from_threads
 from rodgen_live.run.scene_text import SceneFolder
 
 ADDRESS = "/live/channel/"  # of the WebSocket of a run, before its name
@@ -147,14 +147,7 @@ class Page:
                     aside.props('aria-label="Values and settings" tabindex=0')
                     tabs = _tabs(page)
         page.panels = (bar, rod, *tabs, plots)
-        loop = asyncio.get_running_loop()
-
-        def refresh_page() -> None:
-            """Refresh the page, called in the thread of the run."""
-            with suppress(RuntimeError):  # the server is ending
-                loop.call_soon_threadsafe(page.refresh)
-
-        run.told = refresh_page
+        run.told = from_threads(page.refresh)
         page.refresh()
         return page
 

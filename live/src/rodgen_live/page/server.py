@@ -32,6 +32,7 @@ from rodgen_live.page.sketch import sketch
 from rodgen_live.page.toolbar import SKETCH
 from rodgen_live.page.unreadable_messages import UnreadableFilter
 from rodgen_live.run.live_run import LiveRun
+from rodgen_live.run.run_thread import from_threads
 from rodgen_live.run.scene_text import SceneFolder
 
 SWEEP = 0.5  # seconds
@@ -135,12 +136,8 @@ async def serve_channel(socket: WebSocket, name: str, sessions: Sessions) -> Non
     if run is None:
         await socket.close(GONE, "this run has ended")
         return
-    loop, waiting = asyncio.get_running_loop(), asyncio.Queue[bytes]()
-
-    def send(message: bytes) -> None:
-        with suppress(RuntimeError):  # the server is ending
-            loop.call_soon_threadsafe(waiting.put_nowait, message)
-
+    waiting = asyncio.Queue[bytes]()
+    send = from_threads(waiting.put_nowait)
     run.page.attach(send)
     run.wake_up()
     sending = asyncio.create_task(_forward(socket, waiting))

@@ -34,26 +34,18 @@ class Diagram:
     @property
     def spec(self) -> dict[str, Any]:
         """Specification of the plot (see elements.Plots)."""
-        axis = {"log": False, "least": 0.0, "period": 0.0, "turn": 0.0}
+        (up, unit), (over, unit_over) = self.up, self.over
         series = [
-            {
-                **axis,
-                "name": name,
-                "label": f"{self.up[0]}, {name}",
-                "unit": self.up[1],
-                "dashed": name != SERIES[0],
-            }
+            {"name": name, "label": f"{up}, {name}", "unit": unit, "dashed": name != SERIES[0]}
             for name in SERIES
         ]
         return {
             "id": self.id,
             "kind": "sweep",
-            "title": f"{self.up[0]} over {self.over[0]}",
-            "x": {**axis, "label": self.over[0], "unit": self.over[1]},
-            "y": {**axis, "label": self.up[0], "unit": self.up[1]},
+            "title": f"{up} over {over}",
+            "x": {"label": over, "unit": unit_over},
+            "y": {"label": up, "unit": unit},
             "series": series,
-            "window": 0.0,
-            "wrapped": False,
         }
 
     @property

@@ -3,9 +3,7 @@ plots of the page."""
 
 from __future__ import annotations
 
-import asyncio
 from collections.abc import Callable
-from contextlib import suppress
 from functools import partial
 from typing import Any
 
@@ -16,6 +14,7 @@ from rodgen.errors import InputError
 from rodgen_live.page.fields import Entry, format_number, parse_number
 from rodgen_live.page.page_run import PageRun
 from rodgen_live.page.sweep_diagram import Diagram, SweepPoint
+from rodgen_live.run.run_thread import from_threads
 from rodgen_live.run.scene_edits import SceneField
 from rodgen_live.run.worker_process import ASIDE, Answer, PendingRequest
 
@@ -90,19 +89,14 @@ class SweepPanel:
         self._found: dict[str, Any] = {}
         self._changed()
         self._note.set_text("computing")
-        of, loop = self._map, asyncio.get_running_loop()
-
-        def receive(answer: Answer) -> None:
-            with suppress(RuntimeError):  # the server is ending
-                loop.call_soon_threadsafe(self._receive, answer, of)
-
+        receive = from_threads(partial(self._receive, self._map))
         scene, now = self.page.scene, self.page.run.live.t
         start, end = scene.integrate.span
         self._t = now if now > start else end  # loads may begin with nothing
         low, high = self._ends
         self._errand = ASIDE.submit("sweep", scene, receive, key=key, low=low, high=high, t=self._t)
 
-    def _receive(self, answer: Answer, of: Diagram) -> None:
+    def _receive(self, of: Diagram, answer: Answer) -> None:
         if of is not self._map or self._note.is_deleted:
             return
         part: dict[str, Any] = answer.value or {}

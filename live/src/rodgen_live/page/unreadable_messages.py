@@ -36,18 +36,13 @@ class UnreadableFilter(logging.Filter):
 
     def filter(self, record: logging.LogRecord) -> bool:
         """Whether a record is logged; one that is not is counted."""
-        worth = self._is_worth_logging(record)
+        error = record.exc_info[1] if record.exc_info else None
+        if error is None:
+            worth = record.msg not in UNREADABLE and record.funcName != OF_PAGES
+        elif worth := (place := _error_place(error)) is not None and place not in self._told:
+            self._told.add(place)
         self.count += not worth
         return worth
-
-    def _is_worth_logging(self, record: logging.LogRecord) -> bool:
-        if not record.exc_info or record.exc_info[1] is None:
-            return record.msg not in UNREADABLE and record.funcName != OF_PAGES
-        place = _error_place(record.exc_info[1])
-        if place is None or place in self._told:
-            return False
-        self._told.add(place)
-        return True
 
 
 def _error_place(error: BaseException) -> Place | None:

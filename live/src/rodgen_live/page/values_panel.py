@@ -22,7 +22,7 @@ from rodgen_live.page.fields import (
 )
 from rodgen_live.page.page_run import PageRun
 from rodgen_live.page.sweep_panel import SweepPanel
-from rodgen_live.panel_rows import TextRow, row_groups
+from rodgen_live.panel_rows import TextRow
 from rodgen_live.run.scene_edits import SceneField, fields_of, slider_scale
 
 THROTTLE = 0.04  # seconds between two values of a slider that is dragged
@@ -40,19 +40,16 @@ class ValuesPanel:
 
     def refresh(self) -> None:
         """Show the rows that the scene has now."""
-        groups = row_groups(self.page.run.live.system_with_support.scene)
         tables = "".join(
             f"<table><caption>{title}</caption>{''.join(map(_row_html, rows))}</table>"
-            for title, rows in groups.items()
+            for title, rows in self.page.run.page.groups.items()
         )
         if tables != self._box.content:
             self._box.set_content(tables)
-            self.page.submit(self.page.run.page.reset_texts)
-            self.page.submit(self.page.run.page.invalidate)
 
 
 def _row_html(row: TextRow) -> str:
-    key, label, unit = map(escape, row)
+    key, label, unit = map(escape, row[:3])
     if not label:
         return f'<tr><td data-text="{key}" colspan="3" class="rg-words"></td></tr>'
     cells = f'<td data-text="{key}"></td><td class="rg-unit">{unit}</td>'

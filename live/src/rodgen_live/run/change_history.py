@@ -66,17 +66,21 @@ class Undo:
         """Add a change of a system ("name = value", or other words); those of one value that follow
         each other, as a slider makes them, count as one. anew: its run begins at the start."""
         name, is_change, _ = what.partition(" = ")
-        self._forth.clear()
-        if is_change and self._last == name and self._back:
+        last, self._last = self._last, name if is_change else ""
+        if is_change and last == name and self._back:
+            self._forth.clear()
             self._back[-1] = self._back[-1]._replace(what=what)
         else:
-            self._back = [*self._back[1 - MOST_STEPS :], UndoState(before, self.file, anew, what)]
-        self._last = name if is_change else ""
+            self._add(UndoState(before, self.file, anew, what))
 
     def note_mark(self, system: System, mark: ChangeMark) -> None:
-        """Add a kick or a pull of a run."""
-        self.note(system, str(mark))
-        self._back[-1] = self._back[-1]._replace(mark=mark)
+        """Add a kick or a pull of a run: each is a step of its own."""
+        self._last = ""
+        self._add(UndoState(system, self.file, False, str(mark), mark))
+
+    def _add(self, state: UndoState) -> None:
+        self._forth.clear()
+        self._back = [*self._back[1 - MOST_STEPS :], state]
 
     def drop_marks(self) -> None:
         """Drop kicks and pulls: the run that had them is over."""

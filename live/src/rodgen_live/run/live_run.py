@@ -109,7 +109,6 @@ class LiveRun(PulledRun):
         self.model, self.live, self.catalogue = model, live, catalogue
         self.taken += 1
         self.strict, self.critical.mark = False, None
-        self.page.reset_texts()
         self._begin()
 
     def restart(self, system: System | Scene | None = None) -> None:

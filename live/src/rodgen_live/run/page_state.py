@@ -12,7 +12,7 @@ import numpy as np
 
 from rodgen.arrays import Array
 from rodgen_live.open_run import Live
-from rodgen_live.panel_rows import RunStatus, row_texts
+from rodgen_live.panel_rows import RunStatus, TextRow, row_groups
 from rodgen_live.run import message
 from rodgen_live.run.change_history import ChangeMark, ChangeMarks
 from rodgen_live.run.ghost import Ghost
@@ -32,7 +32,7 @@ class ShownRun:
     """A run that a page shows. shown: the present sample; past: the earlier one that the page looks
     back at, or None; begun: how many times it has begun at a start; repeats: whether this run is
     like the one before; keeps: whether a run is kept when another begins; ghost: the one that is
-    kept."""
+    kept; told: called when something other than the picture has changed."""
 
     status: str
     live: Live
@@ -45,6 +45,7 @@ class ShownRun:
     ghost: Ghost | None = None
     keeps = repeats = False
     begun = 0
+    told: Callable[[], None]
 
     @property
     def page_sample(self) -> Chunk:
@@ -80,8 +81,10 @@ class PageState:
         self._replaced: set[str] = set()
         self._compared: set[str] = set()  # plots whose ghosts the page has not got
         self._texts: dict[str, str] = {}
+        self.groups: dict[str, list[TextRow]] = {}  # rows of the panel of values, without texts
         self._marks: tuple[ChangeMark, ...] | None = None  # that the page has
         self._texts_at = -np.inf
+        self._owes_texts = False  # whether the last picture came without its texts
         self._dirty = True
 
     # The connection ----------------------------------------------------------------------------
@@ -164,10 +167,6 @@ class PageState:
             self.add_plot(plot, run.store.chunks())
         self.invalidate()
 
-    def reset_texts(self) -> None:
-        """Send all texts anew."""
-        self._texts = {}
-
     # What goes out -----------------------------------------------------------------------------
 
     def show(self, run: ShownRun) -> None:
@@ -177,7 +176,8 @@ class PageState:
             self._since, self._texts, self._marks = self._frame, {}, None
             self.resend(run)
         self._told = page
-        if page is None or not self._dirty:
+        late = self._owes_texts and time.perf_counter() - self._texts_at > TEXTS
+        if page is None or not (self._dirty or late):
             return
         if self._frame - max(page.seen, self._since) >= AHEAD:
             return
@@ -203,7 +203,8 @@ class PageState:
             anew, places = self._pop_rows(TRAIL)
             arrays.append(("trail!" if anew else "trail", places))
         now = time.perf_counter()
-        if now - self._texts_at > TEXTS:
+        self._owes_texts = now - self._texts_at <= TEXTS
+        if not self._owes_texts:
             self._texts_at = now
             header["texts"] = self._new_texts(run)
         return message.encode(header, arrays + self._plot_arrays(run))
@@ -220,7 +221,13 @@ class PageState:
         return line
 
     def _new_texts(self, run: ShownRun) -> dict[str, str]:
-        every = row_texts(run.run_status())
+        groups, every = {}, dict[str, str]()
+        for title, rows in row_groups(run.run_status()).items():
+            groups[title] = [row._replace(text=None) for row in rows]
+            every |= {row.key: row.text for row in rows if row.text is not None}
+        if groups != self.groups:
+            self.groups = groups
+            run.told()
         new = {key: text for key, text in every.items() if self._texts.get(key) != text}
         self._texts |= new
         return new

@@ -151,25 +151,18 @@ class Plot:
 
     def to_json(self) -> dict[str, Any]:
         """Specification of the plot that the page draws it by, as JSON (see elements.Plots)."""
-        x, y = self._axes()
+        log = {"x": self.spec.axes == "log", "y": self.spec.axes != "linear"}
+        axes: dict[str, dict[str, Any]] = {
+            name: {"label": label, "unit": unit, "log": log[name], "least": self._least[name]}
+            for name, (label, unit) in zip("xy", self._axes(), strict=True)
+        }
+        axes["x"] |= self._jumps(self.spec.x) if self.spec.kind in PLANES else NO_JUMPS
         some = f", one in {self.stride}" if self.stride > 1 else ""
         return {
             "id": self.spec.id,
             "kind": "time" if self.spec.kind == "difference" else self.spec.kind,
             "title": title_of(self.spec, self.catalogue) + some,
-            "x": {
-                "label": x[0],
-                "unit": x[1],
-                "log": self.spec.axes == "log",
-                "least": self._least["x"],
-                **(self._jumps(self.spec.x) if self.spec.kind in PLANES else NO_JUMPS),
-            },
-            "y": {
-                "label": y[0],
-                "unit": y[1],
-                "log": self.spec.axes != "linear",
-                "least": self._least["y"],
-            },
+            **axes,
             "series": [self._series(self.catalogue.quantities[name]) for name in self.names],
             "window": self.spec.window,
             "wrapped": self.spec.wrapped,

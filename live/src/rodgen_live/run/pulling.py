@@ -44,7 +44,6 @@ class PulledRun(RunRecord):
         for plot in self.plots.values():
             plot.beside = self.ghost
         self.shown = live.here()
-        self.page.reset_texts()
         self.page.resend(self)
         self._notify_page()
         return None

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import asyncio
 import math
 import threading
 import time
@@ -9,11 +10,26 @@ import traceback
 from collections import deque
 from collections.abc import Callable
 from concurrent.futures import Future
-from typing import Any, TypeVar
+from contextlib import suppress
+from functools import partial
+from typing import Any, ParamSpec, TypeVar
 
 FRAME = 1 / 60  # seconds
 IDLE = 0.25  # seconds after which a thread that has nothing to do looks up
 T = TypeVar("T")
+P = ParamSpec("P")
+
+
+def from_threads(work: Callable[P, object]) -> Callable[P, None]:
+    """Make a function for other threads that has the work done in the event loop that runs here,
+    and nothing once that has ended, as a server does."""
+    loop = asyncio.get_running_loop()
+
+    def call(*given: P.args, **named: P.kwargs) -> None:
+        with suppress(RuntimeError):
+            loop.call_soon_threadsafe(partial(work, *given, **named))
+
+    return call
 
 
 class RunThread:

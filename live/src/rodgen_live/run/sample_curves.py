@@ -72,19 +72,14 @@ class Window:
 
     def __init__(self, seconds: float):
         self.seconds = seconds
-        self.reset()
-
-    def reset(self) -> None:
-        """Forget all samples."""
         self.t, self.x = np.zeros(0), np.zeros(0)
 
     def feed(self, t: Array, x: Array) -> None:
         """Append samples, (K,); samples earlier than those there begin the window anew."""
         if not len(t):
             return
-        if len(self.t) and t[0] < self.t[-1]:
-            self.reset()
-        t, x = np.concatenate((self.t, t)), np.concatenate((self.x, x))
+        if not len(self.t) or t[0] >= self.t[-1]:
+            t, x = np.concatenate((self.t, t)), np.concatenate((self.x, x))
         first = max(int(np.searchsorted(t, t[-1] - self.seconds)), len(t) - MOST)
         self.t, self.x = t[first:], x[first:]
 

@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rodgen.analyse.critical import critical_load
+from rodgen.analyse.modes import joint_displacements
 from rodgen.arrays import Array
 from rodgen.errors import AnalysisError, InputError
 from rodgen.loading import build_fastest
@@ -24,7 +25,6 @@ from rodgen_live.run.sweep_computation import sweep
 
 MOST_MODES, MOST_LINKS = 12, 250  # shown; beyond so many links they take seconds
 STILL = 1e-7  # of the largest modulus: an imaginary part below it is rounding
-NUDGE = 1e-6  # rad, of the differences by which shapes are drawn: errors are its square
 GROWS = 1e-6  # 1/s over Hz: below, growth is rounding
 POLITE = 10  # how far it stands back behind the run and the browser
 MOST_BEGUN = 100  # computations: of those that are cancelled nobody hears
@@ -59,25 +59,10 @@ def frozen_modes(model: ModuleType, t: float, y: Array, p: Array, count: int) ->
     s, vectors = np.linalg.eig(np.asarray(model.jac(t, at, p)))
     moving = np.flatnonzero(s.imag > STILL * np.abs(s).max(initial=0.0))
     kept = moving[np.argsort(s[moving].imag, kind="stable")][:count]
-    moved = np.array([_joint_displacements(model, at, p, vectors[:half, k]) for k in kept])
-    moved = moved.reshape(len(kept), len(model.joints(at, p)), 2)
-    return FrozenModes(s[kept].imag / (2 * np.pi), s[kept].real, moved)
-
-
-def _joint_displacements(
-    model: ModuleType, y: Array, p: Array, shape: NDArray[np.complex128]
-) -> NDArray[np.complex128]:
-    """Displacements of the joints (n+1, 2) for a change of the positions, scaled to a largest
-    component of 1."""
-    shape = shape / np.abs(shape).max()
-
-    def displacements(part: Array) -> Array:
-        change = np.concatenate((NUDGE * part, np.zeros(len(y) - len(part))))
-        found: Array = (model.joints(y + change, p) - model.joints(y - change, p)) / (2 * NUDGE)
-        return found
-
-    found = displacements(shape.real) + 1j * displacements(shape.imag)
-    return np.asarray(found / found.flat[np.abs(found).argmax()])
+    q = vectors[:half, kept].T
+    q = q / np.abs(q).max(axis=1, keepdims=True)
+    moved, largest = joint_displacements(model, at, p, q)
+    return FrozenModes(s[kept].imag / (2 * np.pi), s[kept].real, moved / largest[:, None, None])
 
 
 def mode_shapes(scene: Scene, t: float, y: list[float], p: list[float]) -> Work:

@@ -7,17 +7,14 @@ const SAID = ["label", "valuetext", "valuenow", "valuemin", "valuemax", "orienta
   (name) => `aria-${name}`,
 );
 
-// What is said of a range has a part for each of its ends.
 function say(slider) {
-  const parts = [...slider.querySelectorAll("[tabindex]")];
-  const shares = (said) => (parts.length > 1 ? said.split("|") : [said]);
-  for (const part of parts) part.setAttribute("role", "slider");
+  const part = slider.querySelector("[tabindex]");
+  part?.setAttribute("role", "slider");
   for (const name of SAID) {
     const said = slider.getAttribute(name);
     if (said === null) continue;
-    const some = shares(said);
-    parts.forEach((part, k) => part.setAttribute(name, some[k] ?? some[0]));
-    if (name !== SAID[0] || some.length > 1) slider.removeAttribute(name);
+    part?.setAttribute(name, said);
+    if (name !== SAID[0]) slider.removeAttribute(name);
   }
 }
 

@@ -3,7 +3,7 @@
 // Where something is typed or chosen, keys are for that; the space bar is for what it presses. What
 // was clicked by the pointer is not pressed: Quasar puts the focus upon something in it.
 const TYPED =
-  "input,textarea,select,[contenteditable=true],[role=listbox],[role=menu],[role=dialog]";
+  "input:not([type=range]),textarea,select,[contenteditable=true],[role=listbox],[role=menu],[role=dialog]";
 const PRESSED = "button,a[href],[role=button],[role=tab],[role=switch],[role=checkbox]";
 
 const taken = (key, target) =>

@@ -1,20 +1,25 @@
 // The time line: a slider over the samples that are kept, steps to either side, and a loop.
 
-import { act, button, listen, make, placeOf, relabel } from "rodgen-live/dom.js";
+import { act, button, make, placeOf, relabel } from "rodgen-live/dom.js";
 import { hub } from "rodgen-live/hub.js";
 import { above, multiples, short, written } from "rodgen-live/scales.js";
 import { theme } from "rodgen-live/theme.js";
 
 const FONT = "11px Roboto, system-ui, sans-serif";
-const EDGE = 9; // pixels beside the line, for the ends of the handle
-const RADIUS = 7; // of the handle
+const EDGE = 7; // pixels beside the line: half of the handle, see page.css
 const NEAR = 5; // pixels from a mark that tell it
 const [LINE, NUMBERS] = [12, 30]; // pixels from the top: the line, the times below it
 const APART = 70; // pixels from one of these to the next, at least
-const PAGE = 0.1; // of the line, by the keys for a page
 
 export default {
-  template: `<div class="rodgen-line" role="group" aria-label="Time line"></div>`,
+  template: `
+    <div class="rodgen-line" role="group" aria-label="Time line">
+      <div class="rodgen-track">
+        <canvas ref="track"></canvas>
+        <input ref="slider" type="range" step="any" aria-label="Time that is shown"
+          @input="drag" @pointermove="tell" @keydown="key" />
+      </div>
+    </div>`,
   props: { speed: Number, recorded: Boolean }, // recorded: no other run can begin
   mounted() {
     this.loop = { a: null, b: null }; // its ends, where they are chosen, else those of the line [s]
@@ -30,13 +35,7 @@ export default {
   },
   methods: {
     build() {
-      const of = { role: "slider", tabindex: "0", "aria-label": "Time that is shown" };
-      this.track = make("canvas", of);
-      listen(this.track, {
-        pointerdown: (event) => this.press(event),
-        pointermove: (event) => this.move(event),
-        keydown: (event) => this.key(event),
-      });
+      Object.assign(this, { track: this.$refs.track, slider: this.$refs.slider });
       this.go = button("repeat", "", () => this.play(!this.playing));
       this.now = button("last_page", "To the present (End)", () => this.look(null));
       this.ends = {
@@ -52,7 +51,8 @@ export default {
       const branch = button("call_split", another, () => this.send({ branch: null }));
       const begins = this.recorded ? [] : [this.kept, branch];
       const right = beside(this.ends.a, this.ends.b, this.now, ...begins);
-      this.$el.append(beside(back, this.go, on), this.track, right);
+      this.$el.prepend(beside(back, this.go, on));
+      this.$el.append(right);
       this.play(false);
     },
     play(playing) {
@@ -82,50 +82,30 @@ export default {
       if (a !== null && b !== null && a >= b) this.loop[other] = null;
       hub.repaint();
     },
-    // Seconds at a place in the track.
-    time(px) {
-      const { from, to } = hub.past;
-      const share = (px - EDGE) / Math.max(this.track.clientWidth - 2 * EDGE, 1);
-      return from + Math.min(Math.max(share, 0), 1) * (to - from);
-    },
     place(t) {
       const { from, to } = hub.past;
       const share = to > from ? Math.min(Math.max((t - from) / (to - from), 0), 1) : 1;
       return EDGE + share * (this.track.clientWidth - 2 * EDGE);
     },
-    press(event) {
-      if (event.button !== 0) return;
-      this.track.setPointerCapture(event.pointerId);
-      this.drag(event);
-    },
-    move(event) {
-      if (this.track.hasPointerCapture(event.pointerId)) this.drag(event);
-      else this.tell(placeOf(event, this.track)[0]);
-    },
-    drag(event) {
-      const t = this.time(placeOf(event, this.track)[0]);
+    drag() {
+      const t = this.slider.valueAsNumber;
       this.look(t < hub.past.to ? t : null);
     },
-    tell(px) {
+    tell(event) {
+      const [px] = placeOf(event, this.slider);
       const near = hub.past.marks.filter(([t]) => Math.abs(this.place(t) - px) < NEAR);
-      this.track.title = near.map(([t, what]) => `${what}, t = ${short(t, 6)} s`).join("\n");
+      this.slider.title = near.map(([t, what]) => `${what}, t = ${short(t, 6)} s`).join("\n");
     },
+    // The slider knows the others by itself.
     key(event) {
-      const { from, to, place } = hub.past;
-      const page = PAGE * (to - from);
-      const moves = {
+      act(event, {
         ArrowLeft: () => this.step(-1),
         ArrowDown: () => this.step(-1),
         ArrowRight: () => this.step(1),
         ArrowUp: () => this.step(1),
-        PageDown: () => this.look(Math.max(place - page, from)),
-        PageUp: () => this.look(place + page < to ? place + page : null),
-        Home: () => this.look(from),
-        End: () => this.look(null),
         a: () => this.choose("a", "b"),
         b: () => this.choose("b", "a"),
-      };
-      act(event, moves);
+      });
     },
     // From one end of the loop to the other and again, by the clock. True while it plays.
     paint(now, fresh, fully) {
@@ -168,10 +148,6 @@ export default {
       bar(past.from, past.place, 4, colours.faint);
       context.fillStyle = colours.kick;
       for (const [t] of past.marks) context.fillRect(this.place(t) - 1, y - 8, 2, 16);
-      context.beginPath();
-      context.arc(this.place(past.place), y, RADIUS, 0, 2 * Math.PI);
-      context.fillStyle = past.back ? colours.present : colours.ink;
-      context.fill();
     },
     // Round times below the line.
     times(context, wide, colours) {
@@ -193,10 +169,11 @@ export default {
         if (element.getAttribute(name) !== String(value)) element.setAttribute(name, value);
       };
       const where = past.back ? "looking back" : "the present";
-      set(this.track, "aria-valuemin", past.from);
-      set(this.track, "aria-valuemax", past.to);
-      set(this.track, "aria-valuenow", past.place);
-      set(this.track, "aria-valuetext", `${short(past.place, 6)} s, ${where}`);
+      set(this.slider, "min", past.from);
+      set(this.slider, "max", past.to);
+      this.slider.value = past.place;
+      set(this.slider, "aria-valuetext", `${short(past.place, 6)} s, ${where}`);
+      this.slider.classList.toggle("rodgen-back", past.back);
       for (const [end, button] of Object.entries(this.ends)) {
         const t = this.loop[end];
         set(button, "aria-pressed", t !== null);
