@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -11,7 +12,9 @@ import pytest
 import rodgen
 from rodgen import InputError
 from rodgen.studies import adaptive
+from rodgen.studies.engine import run_study
 from rodgen.studies.sampling import points_at
+from rodgen.studies.store import read_store
 from rodgen.studies.study import Study
 from rodgen.studies.task import evaluate
 from tests.studies.conftest import BECK, scene
@@ -119,3 +122,17 @@ def test_what_cannot_be_refined() -> None:
         study = Study.of(scene(BECK), vary, analysis="modes", keep=["stable", "largest_growth"])
         with pytest.raises(InputError):
             next(adaptive.refinement_rounds(study, *how))
+
+
+@pytest.mark.slow
+def test_several_workers_refine_into_one_store(tmp_path: Path) -> None:
+    """As one does: they open the store of a study that says how its points are chosen."""
+    study = stability(25, 25)
+    for count in (1, 2):
+        path = tmp_path / f"{count}.zarr"
+        run_study(study, path, workers=count, adaptive=0.04, by="stable")
+    one, two = (read_store(tmp_path / f"{count}.zarr") for count in (1, 2))
+    computed = one["status"].values != ""
+    assert 0 < computed.sum() < computed.size
+    np.testing.assert_array_equal(two["status"].values != "", computed)
+    np.testing.assert_array_equal(two["stable"], one["stable"])

@@ -82,9 +82,10 @@ class StudyStore:
         return cls.of(path, study, adaptive)
 
     @classmethod
-    def of(cls, path: Path, study: Study, adaptive: str = "") -> StudyStore:
-        """Open the store at a path, extended to the points of the study where it has fewer. Raises
-        InputError for that of another study or version; nothing is changed then."""
+    def of(cls, path: Path, study: Study, adaptive: str | None = None) -> StudyStore:
+        """Open the store at a path, extended to the points of the study where it has fewer;
+        adaptive: how its points must have been chosen, None: in any way. Raises InputError for that
+        of another study or version; nothing is changed then."""
         group = open_group(path)
         _check_same(path, dict(group.attrs), study, adaptive)
         arrays = {name: open_array(group, name) for name in _array_names(study)}
@@ -190,7 +191,9 @@ def read_store(path: str | Path) -> xr.Dataset:
     for name in (SUMS, OWN):
         data.attrs.pop(name, None)
     drawn = data.attrs.get("coordinates", "").split()
-    data = data.set_coords(drawn)[json.loads(data.attrs["variables"])]
+    # In the order in which they were drawn, which xarray does not keep.
+    inputs = {name: data[name].variable for name in drawn}
+    data = data[json.loads(data.attrs["variables"])].assign_coords(inputs)
     return _plain_text(data.load()) if data.nbytes <= LARGE else data
 
 
@@ -294,9 +297,11 @@ def _object_text(values: NDArray[Any]) -> NDArray[Any]:
     return values.astype(object) if values.dtype.kind == "U" else values
 
 
-def _check_same(path: Path, attributes: Mapping[str, Any], study: Study, adaptive: str) -> None:
+def _check_same(
+    path: Path, attributes: Mapping[str, Any], study: Study, adaptive: str | None
+) -> None:
     """Raise InputError for the store of another study or version."""
-    parts = {**study.contents, "adaptive": adaptive}
+    parts = dict(study.contents) | ({} if adaptive is None else {"adaptive": adaptive})
     other = [name for name, text in parts.items() if attributes.get(name) != text]
     if other:
         allowed = f"a store of this study (another: {', '.join(other)})"
