@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import inspect
 from collections.abc import Iterator
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import typer
-from sphinx.application import Sphinx
 
 from rodgen.cli.app import make_app
+
+if TYPE_CHECKING:
+    from sphinx.application import Sphinx
 
 PAGE, MARK = "reference/command-line", "<!-- commands -->"
 

@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-
-from sphinx.application import Sphinx
+from typing import TYPE_CHECKING
 
 from rodgen.model.quantities import (
     ADDED,
@@ -19,6 +18,9 @@ from rodgen.model.quantities import (
     Quantity,
 )
 
+if TYPE_CHECKING:
+    from sphinx.application import Sphinx
+
 PAGE, MARK = "reference/quantities", "<!-- quantities -->"
 SIZES = {"link": "n", "supported": "n", "joint": "n + 1", "axis": "2", "principal": "2"}
 SIZES |= {"spring": "springs", "section": "sections"}
@@ -29,7 +31,7 @@ ONE_FOR_EACH = {
     LOADS: "load that changes with time, by its parameter",
     ADDED: "state that the scene adds",
 }
-OF_RODS = {"translates": "free rods", "held": "rods that are held", "clamped": "clamped rods"}
+OF_RODS = {"translates": "free rods", "is_held": "rods that are held", "is_clamped": "clamped rods"}
 KEPT = {FILE: "file, dataset", DATASET: "dataset", SHOWN: ""}
 
 

@@ -3,14 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-
-from sphinx.application import Sphinx
+from typing import TYPE_CHECKING
 
 import rodgen
 from rodgen.analyse.branches import equilibrium_data, stability_boundary
 from rodgen.analyse.cycles import cycle_data as cycle_branches
 from rodgen.analyse.cycles import nonlinear_modes
 from rodgen.result import Row
+
+if TYPE_CHECKING:
+    from sphinx.application import Sphinx
 
 PAGE, MARK = "reference/results", "<!-- results -->"
 # What is in tables of its own, by the function that returns it.
