@@ -66,7 +66,7 @@ sphinx_gallery_conf = {
     "doc_module": ("rodgen",),
     "reference_url": {"rodgen": None},
     "matplotlib_animations": (True, "html5"),
-    "reset_modules": ("matplotlib", "films.encode"),
+    "reset_modules": ("matplotlib", "films.prepare"),
     "capture_repr": (),
     "abort_on_example_error": True,
     "show_memory": False,

@@ -26,14 +26,16 @@ import matplotlib.pyplot as plt
 from matplotlib.animation import FFMpegWriter, PillowWriter
 from PIL import Image
 
+import rodgen
+
 DOCS = Path(__file__).parents[1]
 DRAWN = DOCS / "pictures" / "drawn.json"
-PAGES = ("index", "tutorial")  # whose Python draws pictures
+# Pages whose Python draws pictures, and the size of these [inches].
+PAGES = {"index": (4.6, 3.4), "tutorial": (5.8, 3.6)}
 BLOCK = re.compile(r"^```(?:python|toml)\n(.*?)^```", re.DOTALL | re.MULTILINE)
 START = "flutter_sets_in"  # the film of the start page
 DOTS, PICTURES = 50, 20  # an inch, and a second
 STEPS, PALE = 25, 0.4  # of a thumbnail that moves, and how much is seen of what is to come
-WIDE, HIGH = 7.2, 3.6  # of the pictures of a page [inches]
 TIMES, REST = 3, 300  # that it is shown, and ms between; all within five seconds
 
 
@@ -64,14 +66,14 @@ def _hash(path: Path) -> str:
     return hashlib.sha256("\n".join(code).encode()).hexdigest()[:16]
 
 
-def encode(_: object = None, __: str = "") -> None:
-    """Have films encoded by the program that comes with imageio-ffmpeg."""
+def prepare(_: object = None, __: str = "") -> None:
+    """Have pictures in rodgen's style, and films encoded by the program of imageio-ffmpeg."""
+    plt.style.use(rodgen.style | {"svg.hashsalt": "rodgen"})  # the same bytes each time
     matplotlib.rcParams["animation.ffmpeg_path"] = imageio_ffmpeg.get_ffmpeg_exe()
 
 
 def thumbnails() -> None:
     """Write a GIF of every example that has a film, and the video of the start page."""
-    encode()
     for example in examples():
         name = example.stem.removeprefix("plot_")
         film = runpy.run_path(str(example))["film"]
@@ -94,7 +96,7 @@ def lines(page: str) -> None:
     for code in re.findall(r"^```python\n(.*?)^```", text, re.DOTALL | re.MULTILINE):
         exec(code, space)
         if plt.get_fignums():
-            plt.gcf().set_size_inches(WIDE, HIGH)
+            plt.gcf().set_size_inches(PAGES[page])
             number += 1
             path = DOCS / "pictures" / f"{page}_{number}.svg"
             plt.savefig(path, bbox_inches="tight", metadata={"Date": None})
@@ -136,6 +138,7 @@ def setup(app: Any) -> dict[str, bool]:
 
 if __name__ == "__main__":
     matplotlib.use("agg")
+    prepare()
     thumbnails()
     with tempfile.TemporaryDirectory() as folder, contextlib.chdir(folder):
         for page in PAGES:

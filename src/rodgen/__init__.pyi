@@ -52,6 +52,7 @@ from rodgen.result import Note as Note
 from rodgen.result import Result as Result
 from rodgen.scene import Scene as Scene
 from rodgen.scene import Structure as Structure
+from rodgen.show.style import style as style
 from rodgen.studies.engine import study as study
 from rodgen.studies.study import Study as Study
 from rodgen.system import System as System

@@ -14,7 +14,7 @@ from rodgen.analyse import critical, simulated_critical
 from rodgen.analyse.load_family import load_family
 from rodgen.errors import AnalysisError, InputError
 from rodgen.show import appearance
-from rodgen.show.analysis_pictures import stability_curves
+from rodgen.show.critical_pictures import stability_curves
 from tests.cli.conftest import LENGTH, Run, Write, one_object
 from tests.told import numbers
 

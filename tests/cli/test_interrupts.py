@@ -178,7 +178,7 @@ def command(**_):
     with output_folder(Path("results/rod")), call_at_end(lambda: "; 7"):
         Timer(1.0, signal.raise_signal, [signal.SIGINT]).start()
         np.linalg.eig(matrix)
-rodgen.cli.app.app = command
+rodgen.cli.app.make_app = lambda *_: command
 rodgen.cli.main()
 """
 CLEANING = """
@@ -189,7 +189,7 @@ def command(**_):
     finally:
         time.sleep(2)
         print("cleaned", flush=True)
-rodgen.cli.app.app = command
+rodgen.cli.app.make_app = lambda *_: command
 rodgen.cli.main()
 """
 HOLDING = """
@@ -205,7 +205,7 @@ def command(**_):
     while time.monotonic() < end:
         pass
     print("went on", flush=True)
-rodgen.cli.app.app = command
+rodgen.cli.app.make_app = lambda *_: command
 rodgen.cli.main()
 """
 

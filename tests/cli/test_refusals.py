@@ -49,6 +49,8 @@ REFUSED: dict[str, dict[str, tuple[str, ...]]] = {
         "integrate.method": ("MISSILE --method magic",),
         "integrate.output_every": ("MISSILE --output-every 0",),
         "--atol = 1e-07": ("MISSILE --method rk4 --step 0.01 --atol 1e-7",),
+        "--format = 'jpg'": ("MISSILE --format jpg",),
+        "--width": tuple(f"MISSILE --width {x}" for x in ("3.3", "in", "0.1in", "1e3in", "9m")),
         "--checkpoint": tuple(f"MISSILE --checkpoint {x}" for x in ("nan", "inf", "-1", "0")),
     },
     "show": {"scene": ("missing.toml",), "parameters.idle = 3": ("FREE --set parameters.idle=3",)},

@@ -33,7 +33,7 @@ def files(folder: Path, pattern: str = "rod_*") -> set[str]:
 @pytest.fixture
 def pictures() -> set[str]:
     """Names of the pictures of a run, for tests that have them drawn."""
-    names = ("shape", "trajectory", "energy", "phase", "tail", "moment")
+    names = ("shape", "trajectory", "energy", "phase", "tail", "moment", "envelope")
     return {f"{name}.png" for name in names}
 
 
@@ -269,7 +269,7 @@ class Interrupted:
 def command(**_):
     Interrupted()
     time.sleep(1000)
-rodgen.cli.app.app = command
+rodgen.cli.app.make_app = lambda *_: command
 rodgen.cli.main()
 """
 

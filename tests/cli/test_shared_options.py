@@ -30,7 +30,8 @@ def test_commands_have_the_options_that_they_share_and_are_listed_whole(works: R
         help_of = works(name, "--help").stdout
         assert "--quiet" in help_of
         assert "--set KEY=VALUE" in help_of or "SCENE" not in help_of.splitlines()[0]
-        assert "--no-pictures" in help_of or name not in DRAWING
+        for option in ("--no-pictures", "--format", "--width"):
+            assert option in help_of or name not in DRAWING
 
 
 VALUES: list[tuple[str, dict[str, Any]]] = [

@@ -61,7 +61,7 @@ WAYS: dict[str, Callable[[Any], Any]] = {
 
 
 CLASSES = [name for name in rodgen.__all__ if inspect.isclass(getattr(rodgen, name))]
-FUNCTIONS = [name for name in rodgen.__all__ if name not in CLASSES]
+FUNCTIONS = [name for name in rodgen.__all__ if inspect.isfunction(getattr(rodgen, name))]
 
 
 def _same(one: Any, other: Any) -> bool:

@@ -43,7 +43,8 @@ UNIT = re.compile(
 
 
 def test_pages_have_every_public_name() -> None:
-    listed = re.findall(r"^\.\. auto(?:function|class|exception):: rodgen\.(\w+)$", TEXT, re.M)
+    kinds = r"(?:auto(?:function|class|exception)|py:data)"
+    listed = re.findall(rf"^\.\. {kinds}:: rodgen\.(\w+)$", TEXT, re.M)
     assert sorted(listed) == sorted(NAMES)
 
 

@@ -10,8 +10,10 @@ import pytest
 import xarray
 from matplotlib.figure import Figure
 
-from rodgen.show import run_pictures, study_maps, study_pictures, study_results
+from rodgen.show import study_maps, study_pictures, study_results
+from rodgen.show.picture_settings import PictureSettings
 from rodgen.show.study_results import StudyResults
+from rodgen.show.style import style
 
 SECTION = "section(tip_y, where='tip_x', rising=0)"
 AXES = {
@@ -25,7 +27,7 @@ AXES = {
 @pytest.fixture(autouse=True)
 def coarse(monkeypatch: pytest.MonkeyPatch) -> None:
     """Pictures of few dots, which take no time."""
-    monkeypatch.setattr(run_pictures, "DOTS_PER_INCH", 40)
+    monkeypatch.setitem(style, "savefig.dpi", 40)
 
 
 def dataset(names: tuple[str, ...], **more: Any) -> xarray.Dataset:
@@ -58,7 +60,7 @@ def test_pictures_of_a_grid(tmp_path: Path) -> None:
     ):
         data = dataset(tuple(AXES)[:count])
         text = {one: data[one].astype(np.dtypes.StringDType()) for one in ("status", "kind")}
-        made = study_pictures.save_study_pictures(data.assign(text), tmp_path)
+        made = study_pictures.save_study_pictures(data.assign(text), tmp_path, PictureSettings())
         assert {path.stem for path in made} == expected
         assert all(path.read_bytes().startswith(b"\x89PNG") for path in made)
 
@@ -81,7 +83,8 @@ def test_a_sample_is_a_scatter_matrix(tmp_path: Path) -> None:
     x, status = np.linspace(1, 2, count), np.full(count, "finished")
     data = {"max(phi_0)": ("point", x**2), "status": ("point", status)}
     coords = {"rod.length": ("point", x), "rod.mass": ("point", x[::-1])}
-    (made,) = study_pictures.save_study_pictures(xarray.Dataset(data, coords), tmp_path)
+    results = xarray.Dataset(data, coords)
+    (made,) = study_pictures.save_study_pictures(results, tmp_path, PictureSettings())
     assert made.name == "scatter.png"
 
 
@@ -117,7 +120,8 @@ def test_a_map_shows_the_points_that_were_computed() -> None:
     assert {*drawn[:, 0]} == {0.0, 0.5, 1.0}
     assert np.isfinite(np.ma.filled(figure.axes[0].collections[0].get_array(), np.nan)).all()
     texts = [text.get_text() for legend in figure.legends for text in legend.get_texts()]
-    assert texts[:2] == ["stable", "unstable"]
+    texts += [text.get_text() for text in figure.axes[0].texts]
+    assert sorted(texts) == ["computed points", "stable", "unstable"]  # a name stands once
 
 
 def test_periods_of_sections_are_told_apart() -> None:

@@ -18,7 +18,7 @@ import rodgen
 cycle = rodgen.find_cycle(rodgen.Scene.example("beck_after_flutter"))
 joints = cycle.motion.joints
 
-figure, (strip, circle) = plt.subplots(2, figsize=(8, 6), height_ratios=(1, 2))
+figure, (strip, circle) = plt.subplots(2, figsize=(5.5, 4.5), height_ratios=(1, 2))
 for number, at in enumerate(np.linspace(0, len(joints) - 1, 9).astype(int)):
     x, y = joints[at].T
     strip.plot(x + 1.6 * number, y, color="tab:blue", linewidth=2)

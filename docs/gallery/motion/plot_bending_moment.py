@@ -16,7 +16,7 @@ figure, axes = plt.subplots()
 limit = abs(moment).max()
 extent = (sol.t[0], sol.t[-1], 0, 1)
 shown = axes.imshow(
-    moment.T, aspect="auto", origin="lower", extent=extent, cmap="RdBu", vmin=-limit, vmax=limit
+    moment.T, aspect="auto", origin="lower", extent=extent, cmap="RdBu_r", vmin=-limit, vmax=limit
 )
 axes.set(xlabel="time [s]", ylabel="s, from the nose")
 figure.colorbar(shown, label="bending moment [N m]")

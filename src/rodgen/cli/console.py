@@ -15,6 +15,7 @@ from rich.table import Table
 
 from rodgen.errors import DoubtWarning
 from rodgen.progress import report_stages_to, show_run, show_work
+from rodgen.show.picture_settings import PictureSettings
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -23,15 +24,16 @@ if TYPE_CHECKING:
 
 __all__ = ["err", "out", "show_run", "show_work"]
 
-_pictures: ContextVar[bool] = ContextVar("pictures", default=True)
+_pictures: ContextVar[PictureSettings | None] = ContextVar("pictures", default=None)
 
 out = Console(highlight=False, soft_wrap=True, markup=False)
 err = Console(stderr=True, highlight=False, soft_wrap=True, markup=False)
 
 
 @contextmanager
-def set_output(quiet: bool, pictures: bool) -> Iterator[None]:
-    """Set what is printed and drawn inside; quiet: no bars, lines and tables."""
+def set_output(quiet: bool, pictures: PictureSettings | None) -> Iterator[None]:
+    """Set what is printed and drawn inside; quiet: no bars, lines and tables; pictures: None for
+    none."""
     token, before, out.quiet = _pictures.set(pictures), out.quiet, quiet
     try:
         with report_stages_to(lambda _: None) if quiet else nullcontext():
@@ -41,8 +43,8 @@ def set_output(quiet: bool, pictures: bool) -> Iterator[None]:
         out.quiet = before
 
 
-def has_pictures() -> bool:
-    """Whether pictures are asked for."""
+def picture_settings() -> PictureSettings | None:
+    """How pictures are written, None where none are asked for."""
     return _pictures.get()
 
 
@@ -106,10 +108,11 @@ def _is_number(cell: str) -> bool:
 
 def write_picture(draw: Callable[[], Figure], folder: Path, name: str) -> None:
     """Draw a picture into a folder, and say so; where none are asked for, do nothing."""
-    if not has_pictures():
+    settings = picture_settings()
+    if settings is None:
         return
-    from rodgen.show.run_pictures import save_figures
+    from rodgen.show.picture_files import save_figures
 
     with show_work("drawing"):
-        (made,) = save_figures([(name, draw())], folder)
+        (made,) = save_figures(((one, draw()) for one in [name]), folder, settings)
     out.print(f"Written: {made}")

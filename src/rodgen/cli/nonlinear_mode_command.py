@@ -7,7 +7,7 @@ from typing import Annotated
 
 import typer
 
-from rodgen.cli.console import has_pictures, show_work, write_picture
+from rodgen.cli.console import picture_settings, show_work, write_picture
 from rodgen.cli.options import AsJson, OutFolder, Segments
 from rodgen.cli.result_folders import delivery
 from rodgen.scene import Scene
@@ -33,7 +33,7 @@ def nonlinear_mode(
         with show_work("following the mode"):
             found = modes.nonlinear_mode(scene, mode, energy, segments=segments)
         deliver(f"nonlinear mode {mode}", found, {"cycle": "film", "multipliers": "multipliers"})
-        if as_json or not has_pictures():
+        if as_json or picture_settings() is None:
             return
         from rodgen.show.cycle_pictures import frequency_energy_plot
 

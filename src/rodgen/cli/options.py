@@ -22,6 +22,7 @@ from rodgen.cli.console import print_doubts, set_output
 from rodgen.errors import InputError
 from rodgen.scene import Scene
 from rodgen.scene.keys import keys_of
+from rodgen.show.picture_settings import FORMATS, PictureSettings, parse_width
 
 Complete = Callable[[str], list[str]]
 
@@ -63,6 +64,23 @@ Quiet = Annotated[
     bool, typer.Option("--quiet", help="Print only errors, warnings and the output of --json.")
 ]
 NoPictures = Annotated[bool, typer.Option("--no-pictures", help="Draw no pictures.")]
+PictureFormat = Annotated[
+    str,
+    typer.Option(
+        "--format",
+        metavar="|".join(FORMATS),
+        help="Format of pictures. Those in vectors have no title, and their text is text.",
+        autocompletion=complete_words(FORMATS),
+    ),
+]
+PictureWidth = Annotated[
+    str | None,
+    typer.Option(
+        "--width",
+        metavar="LENGTH",
+        help="Width of every picture with its unit, such as 3.3in or 84mm. Fonts stay as they are.",
+    ),
+]
 AtTime = Annotated[
     float | None,
     typer.Option(
@@ -130,6 +148,8 @@ MostPoints = Annotated[
 ]
 LAST = -1  # the number of a point, if not given
 SCENE, SET, QUIET, NO_PICTURES = "scene", "changes", "quiet", "no_pictures"
+FORMAT, WIDTH = "format", "width"
+DEFAULTS = {SET: None, FORMAT: FORMATS[0], WIDTH: None}  # of the others: False
 
 
 def parse_bounds(text: str) -> tuple[float | None, float | None]:
@@ -168,15 +188,20 @@ def add_common_options(command: Callable[..., object]) -> Callable[..., object]:
     draws = any(one.annotation == OutFolder for one in asked.values())
     added: dict[str, Any] = {QUIET: Quiet}
     added |= {SET: Changes} if takes_scene else {}
-    added |= {NO_PICTURES: NoPictures} if draws else {}
+    if draws:
+        added |= {NO_PICTURES: NoPictures, FORMAT: PictureFormat, WIDTH: PictureWidth}
 
     @wraps(command)
     def run_command(*args: Any, **given: Any) -> object:
         shared = {name: given.pop(name) for name in added}
         if takes_scene:
             given[SCENE] = read_scene(given[SCENE], shared[SET])
-        how = set_output(quiet=shared[QUIET], pictures=not shared.get(NO_PICTURES))
-        with how, print_doubts():
+        pictures = None
+        if draws:  # what is wrong is refused even where nothing is drawn
+            width = None if shared[WIDTH] is None else parse_width(shared[WIDTH])
+            asked = PictureSettings(shared[FORMAT], width)
+            pictures = None if shared[NO_PICTURES] else asked
+        with set_output(shared[QUIET], pictures), print_doubts():
             return command(*args, **given)
 
     parameters = [
@@ -184,9 +209,7 @@ def add_common_options(command: Callable[..., object]) -> Callable[..., object]:
         for name, one in asked.items()
     ]
     parameters += [
-        Parameter(
-            name, Parameter.KEYWORD_ONLY, default=False if name != SET else None, annotation=kind
-        )
+        Parameter(name, Parameter.KEYWORD_ONLY, default=DEFAULTS.get(name, False), annotation=kind)
         for name, kind in added.items()
     ]
     vars(run_command)["__signature__"] = signature.replace(parameters=parameters)

@@ -8,7 +8,7 @@ from typing import Annotated
 import numpy as np
 import typer
 
-from rodgen.cli.console import err, has_pictures, out, print_json, show_run, show_work
+from rodgen.cli.console import err, out, picture_settings, print_json, show_run, show_work
 from rodgen.cli.exits import (
     FAILED_RUN,
     INTERRUPTED,
@@ -178,9 +178,11 @@ def _write_results(
             if file.name not in texts:
                 file.unlink(missing_ok=True)
         step(RESULT)
-        if pictured and has_pictures():
+        settings = picture_settings()
+        if pictured and settings:
             restore_ctrl_c()
             from rodgen.show.run_pictures import save_pictures
 
-            written += [picture.name for picture in save_pictures(solution, folder)]
+            made = save_pictures(solution, folder, settings)
+            written += [picture.name for picture in made]
     return written

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from rodgen.cli.console import err, has_pictures, out, print_json, print_result, show_work
+from rodgen.cli.console import err, out, picture_settings, print_json, print_result, show_work
 from rodgen.cli.exits import (
     BAD_INPUT,
     FAILED_RUN,
@@ -20,6 +20,7 @@ from rodgen.cli.exits import (
 from rodgen.cli.options import AsJson, OutFolder
 
 if TYPE_CHECKING:
+    from rodgen.show.picture_settings import PictureSettings
     from rodgen.studies.counts import PointCounts
 
 STORE = "study.zarr"
@@ -146,7 +147,8 @@ def _report_store(name: str, store: Path, as_json: bool) -> PointCounts:
     found = count_points(store)
     if not as_json:
         print_result(f"{name}: points", found)
-    pictures = _draw_store(store) if has_pictures() else []
+    settings = picture_settings()
+    pictures = _draw_store(store, settings) if settings else []
     if as_json:
         files = {"store": str(store), "pictures": [str(path) for path in pictures]}
         print_json(found.to_dict() | files)
@@ -155,10 +157,10 @@ def _report_store(name: str, store: Path, as_json: bool) -> PointCounts:
     return found
 
 
-def _draw_store(store: Path) -> list[Path]:
+def _draw_store(store: Path, settings: PictureSettings) -> list[Path]:
     """Draw pictures of a store beside it."""
     from rodgen.show.study_pictures import save_study_pictures
     from rodgen.studies.store import read_store
 
     with show_work("drawing"):
-        return save_study_pictures(read_store(store), store.parent)
+        return save_study_pictures(read_store(store), store.parent, settings)

@@ -247,6 +247,17 @@ def numbers(
                 yield Number(name.format(number), shown, kind, at, along)
 
 
+def describe_number(name: str) -> str:
+    """Label of a single number of a quantity, such as "x of the tail" of tip_x; its name in words
+    where its label holds the name of a load."""
+    for quantity in QUANTITIES:
+        for template, label in () if quantity.each else quantity.numbers.items():
+            number = parse_number(name, template)
+            if number is not None:
+                return label.format(str(number).translate(SUBSCRIPTS))
+    return name.replace("_", " ")
+
+
 def watchable_names(boundary: Boundary, links: int) -> Iterator[tuple[str, range]]:
     """Name templates of all quantities that events can watch, each with the numbers of the links or
     joints that {} stands for: those that move."""

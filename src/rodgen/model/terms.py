@@ -192,13 +192,35 @@ FIXTURES: dict[str, tuple[tuple[Parameter, ...], str]] = {
 }
 
 
+# Labels of numbers of a scene that no row has.
+OTHER_LABELS = {
+    "rod.links": "number of links",
+    "initial.position.0": "x at the start [m]",
+    "initial.position.1": "y at the start [m]",
+    "initial.velocity.0": "velocity along x at the start [m/s]",
+    "initial.velocity.1": "velocity along y at the start [m/s]",
+    "initial.phi": "angle at the start [rad]",
+    "initial.omega": "rate of the angle at the start [rad/s]",
+}
+
+
 def axis_label(key: str) -> str:
-    """Axis label of a number of a scene, such as follower force [N] of loads.follower.force; the
-    key itself where it is no parameter of a rod, of a load or of what is fixed to the rod."""
+    """Axis label of a number of a scene, such as follower force [N] of loads.follower.force; of a
+    parameter of the scene its name; of what has no label, such as integrate.rtol, its last word."""
     one, of = _find_row(key)
     if one is None:
-        return key
+        return OTHER_LABELS.get(key) or _describe_key(key)
     return f"{one.label}{of} [{one.display_unit}]" if one.unit else f"{one.label}{of}"
+
+
+def _describe_key(key: str) -> str:
+    """Last word of a key; of one in a list also the list."""
+    *words, last = key.replace("_", " ").split(".")
+    if not last.isdigit():
+        return last
+    if label := OTHER_LABELS.get(".".join(words)):
+        return label.replace("angle", f"angle of link {last}", 1)
+    return " ".join((*words[-1:], last))
 
 
 def _find_row(key: str) -> tuple[Parameter | None, str]:

@@ -13,6 +13,7 @@ from pathlib import Path
 from pkgutil import iter_modules
 from typing import Any
 
+from matplotlib import rc_context
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure, SubFigure
 
@@ -23,9 +24,10 @@ from rodgen.result import Note, Result, ResultTable
 from rodgen.scene import Scene
 from rodgen.show.animation.film import Video, make_video
 from rodgen.show.canvas import draw_into
+from rodgen.show.style import style
 from rodgen.show.summary import scene_table
 
-DOTS_PER_INCH = 80  # of pictures in notebooks
+DOTS_PER_INCH = 110  # of pictures in notebooks: letters as large as the text around them
 
 
 @cache
@@ -92,7 +94,7 @@ def compose_html(
     """Return HTML: a line, a picture if there is one that can be drawn, tables and notes."""
     parts = [f"<p>{escape(words)}</p>"]
     if draw is not None:
-        with suppress(AnalysisError, InputError):  # the tables say what there is
+        with suppress(AnalysisError, InputError), rc_context(style):  # the tables say what there is
             parts.append(_image_html(draw(), words))
     parts += map(_table_html, tables)
     parts += (f"<p>{note.kind}: {escape(note.text)}</p>" for note in notes)

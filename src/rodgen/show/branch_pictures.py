@@ -22,11 +22,16 @@ from rodgen.show.canvas import (
     LINE,
     SERIES,
     SPECIAL,
+    add_legend,
+    add_remark,
+    make_axes,
+    set_title,
+)
+from rodgen.show.marks import (
     STABILITY,
     describe_marks,
     draw_by_stability,
     draw_marks,
-    make_axes,
     mark_of,
     stability_legend,
 )
@@ -57,16 +62,18 @@ def bifurcation_diagram(branches: list[xarray.Dataset], scene: Scene) -> Figure:
             mark, name = mark_of(kind)
             named[name] = mark
             axes.plot(value, y, mark, color=SPECIAL, markersize=5)
-            beside: dict[str, Any] = {"textcoords": "offset points", "fontsize": "x-small"}
+            beside: dict[str, Any] = {
+                "textcoords": "offset points",
+            }
             axes.annotate(f"{value:.6g}", (value, y), (4, 5), **beside)
     if furthest < FLAT * scene.rod.length:
         axes.set_ylim(-0.05, 0.05)
     axes.set(xlabel=axis_label(branches[0].attrs["key"]), ylabel=label)
-    axes.set_title(f"{scene.name}: equilibria")
+    set_title(figure, f"{scene.name}: equilibria")
     handles = stability_legend(known, CURVE)
     for name, mark in named.items():
         handles.append(Line2D([], [], linestyle="", marker=mark, color=SPECIAL, label=name))
-    figure.legend(handles=handles, loc="outside lower center", ncols=5, fontsize="small")
+    add_legend(figure, handles)
     return figure
 
 
@@ -90,10 +97,11 @@ def equilibrium_shapes(found: list[Equilibrium], scene: Scene) -> Figure:
         axes.plot(*one.joints.T, color=colour, linestyle=style, linewidth=LINE)
         draw_marks(axes, scene, one.joints, colour)
     axes.set_aspect("equal", adjustable="datalim")
-    axes.set(xlabel=f"x [m]\n{describe_marks(scene)}", ylabel="y [m]")
-    axes.set_title(f"{scene.name}: {len(found)} equilibria")
+    axes.set(xlabel="x [m]", ylabel="y [m]")
+    add_remark(axes, describe_marks(scene))
+    set_title(figure, f"{scene.name}: {len(found)} equilibria")
     handles = stability_legend(kinds, INK)
-    figure.legend(handles=handles, loc="outside lower center", ncols=3, fontsize="small")
+    add_legend(figure, handles)
     return figure
 
 
@@ -104,7 +112,7 @@ def boundary_curve(data: xarray.Dataset, scene: Scene) -> Figure:
     values = [data[name].values for name in ("a", "b")]
     up = 0 if not _is_damping(names[0]) else 1  # a load stands upright, damping lies
     y, x, frequency = values[up], values[1 - up], data["frequency"].values
-    figure, (upper, lower) = make_axes(6.4, 5.2, 2, sharex=True, height_ratios=(3, 1))
+    figure, (upper, lower) = make_axes(6.4, 5.2, 2, sharex=True, height_ratios=(2, 1))
     upper.plot(x, y, color=CURVE, linewidth=LINE)
     places = [data[f"special_{name}"].values for name in ("a", "b")]
     for kind, *place in zip(data["special_kind"].values, *places, strict=True):
@@ -112,7 +120,7 @@ def boundary_curve(data: xarray.Dataset, scene: Scene) -> Figure:
         inside = place[1 - up] > x.max() / 2  # of the right edge
         beside: dict[str, Any]
         beside = {"ha": "right", "xytext": (-8, 0)} if inside else {"xytext": (8, -8)}
-        beside |= {"textcoords": "offset points", "fontsize": "small", "va": "center"}
+        beside |= {"textcoords": "offset points", "va": "center"}
         upper.annotate(kind, (place[1 - up], place[up]), **beside)
     lower.plot(x, frequency, color=CURVE, linewidth=LINE)
     positive = x[x > 0]
@@ -132,7 +140,7 @@ def boundary_curve(data: xarray.Dataset, scene: Scene) -> Figure:
         if without is not None:
             label = f"without damping: {without:.6g} {unit}"
             upper.plot(0.0, without, "o", color=SPECIAL, label=label)
-        upper.legend(fontsize="small")
+        upper.legend()
     if y.min() > 0:
         if y.max() > STEEP * y.min():  # or all but its end would lie along the lower edge
             upper.set_yscale("log")
@@ -141,10 +149,8 @@ def boundary_curve(data: xarray.Dataset, scene: Scene) -> Figure:
             upper.yaxis.set_minor_formatter(NullFormatter())
         else:
             upper.set_ylim(bottom=0.0)
-    upper.set(
-        ylabel=axis_label(names[up]),
-        title=f"{scene.name}: {data.attrs['kind']} begins at the boundary",
-    )
+    upper.set(ylabel=axis_label(names[up]))
+    set_title(figure, f"{scene.name}: {data.attrs['kind']} begins at the boundary")
     lower.set(xlabel=axis_label(names[1 - up]), ylabel="frequency [Hz]")
     return figure
 

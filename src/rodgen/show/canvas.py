@@ -1,25 +1,26 @@
-"""Figures for pictures, their colours, and marks on a rod and beside it: its start, its bodies, its
-supports, and their names.
-"""
+"""Figures for pictures: their colours, axes, titles, legends, and how much a width has room for."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Iterator
+import re
+import textwrap
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from contextvars import ContextVar
-from itertools import pairwise
-from typing import Any, Literal, cast
+from typing import Any, cast
 
 import numpy as np
+from matplotlib import rcParams
+from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
-from matplotlib.colors import LinearSegmentedColormap
+from matplotlib.colors import FuncNorm, LinearSegmentedColormap
 from matplotlib.figure import Figure, SubFigure
-from matplotlib.lines import Line2D
+from matplotlib.ticker import MaxNLocator
+from numpy.typing import NDArray
 
 from rodgen.arrays import Array
 from rodgen.model.palette import LIGHT, colours_of
-from rodgen.scene import Scene
 
 LINE = 1.2  # points
 SERIES = colours_of("series")
@@ -30,32 +31,31 @@ INK, FAINT, GUIDE, ROD, BODY, FIXED, BED, TAIL, CENTRE, SPECIAL = (
     str(LIGHT[name])
     for name in ["ink", "faint", "axis", "link", "body", "joint", "line", "tail", "centre", "kick"]
 )
-EDGE, PAPER = str(LIGHT["edge"]), str(LIGHT["background"])
+EDGE, PAPER, GRID = (str(LIGHT[name]) for name in ["edge", "background", "grid"])
 STEPS = 65  # of the colours below: few enough for a GIF, and one of them is the middle
 # Blue below zero, red above, as the live view has it; and one that says which comes before which.
 MOMENTS, ALONG = (
     LinearSegmentedColormap.from_list(name, colours_of(name), N=STEPS)
     for name in ("moments", "along")
 )
-# Special points of curves: marks, and what they are called.
-MARKS = {
-    "hopf": ("o", "Hopf point"),
-    "fold": ("D", "fold"),
-    "branch": ("s", "branch point"),
-    "period doubling": ("^", "period doubling"),
-    "torus": ("v", "torus"),
-}
-# Lines of what is stable, unstable, or of which neither is known: their styles and names.
-Style = Literal["-", "--", ":"]
-STABILITY: dict[int, tuple[Style, str]] = {
-    0: ("-", "stable"),
-    1: ("--", "unstable"),
-    -1: (":", "stability not known"),
-}
+# Of words over curves.
+BEHIND = {"boxstyle": "square,pad=0.1", "facecolor": PAPER, "edgecolor": "none", "alpha": 0.8}
 VALUES = "viridis"  # of maps, which are filled
 SLIVER = 0.05  # width over length
+TICKS_PER_INCH, MOST_TICKS = 1.8, 9  # of an abscissa: more would touch each other
+# Of the size of the font: of a letter, of a line, and of what stands beside a name in a legend.
+WIDTH_OF_LETTER, HEIGHT_OF_LINE, BESIDE_NAME = 0.53, 1.6, 4.0
+BESIDE, BELOW = 0.9, 1.0  # inches beside axes, and above and below them, for labels and a title
+NARROWEST, HIGHEST = 0.75, 4.0  # inches: of small axes in a strip
+UPRIGHT = 0.7  # of the height of a row: room for the label of an ordinate
+ROOMY = 5.0  # inches: of a figure that has room for two axes beside each other
 
-DISC = 16.0  # points across: of a body that is the whole mass
+
+def moment_norm(limit: float) -> FuncNorm:
+    """Root law of the colours of bending moments from -limit to limit [N m]: it shows small ones
+    beside large ones."""
+    laws = (lambda m: np.sign(m) * np.sqrt(np.abs(m)), lambda c: c * np.abs(c))
+    return FuncNorm(laws, -limit, limit)
 
 
 def make_figure(width: float, height: float) -> Figure:
@@ -73,10 +73,86 @@ def make_axes(
     """Make a figure of this size [inches] with axes one above the other, each with a pale grid;
     layout: options of Figure.subplots."""
     figure = make_figure(width, height)
-    panels: list[Axes] = figure.subplots(rows, squeeze=False, **layout)[:, 0].tolist()
-    for axes in panels:
-        axes.grid(alpha=0.3)
-    return figure, panels
+    panels = make_panels(figure, rows, 1, **layout)
+    return figure, panels.ravel().tolist()
+
+
+def make_pair(width: float, height: float) -> tuple[Figure, list[Axes]]:
+    """Make a figure of this size [inches] with two axes that have abscissae of their own: beside
+    each other, or one above the other where there is no room."""
+    figure = make_figure(width, height)
+    if width_of(figure) >= ROOMY:
+        return figure, make_panels(figure, 1, 2).ravel().tolist()
+    if callable(_given.get()):
+        figure.set_figheight(width_of(figure))
+    return figure, make_panels(figure, 2, 1).ravel().tolist()
+
+
+def make_panels(figure: Figure, rows: int, columns: int, **layout: Any) -> NDArray[Any]:
+    """Make axes (rows, columns) with pale grids, and as many ticks as there is room for; layout:
+    options of Figure.subplots."""
+    panels: NDArray[Any] = figure.subplots(rows, columns, squeeze=False, **layout)
+    for axes in panels.flat:
+        axes.grid(color=GRID)
+        _set_ticks(axes, (width_of(figure) - BESIDE) / columns)
+    return panels
+
+
+def _set_ticks(axes: Axes, across: float) -> None:
+    """Give an abscissa as many ticks as there is room for; across: width of the axes [inches]."""
+    most = int(np.clip(TICKS_PER_INCH * across, 2, MOST_TICKS))
+    axes.xaxis.set_major_locator(MaxNLocator(most, steps=[1, 2, 2.5, 5, 10]))
+    if across < NARROWEST:
+        axes.tick_params("x", labelrotation=90)
+
+
+def make_strip(width: float, count: int, columns: int, slope: float) -> tuple[Figure, list[Axes]]:
+    """Make a figure of this width [inches] with many small axes of the same limits, in at most so
+    many columns as it has room for; slope: of the axes, height over width."""
+    figure = make_figure(width, width)
+    room = width_of(figure) - BESIDE
+    columns = min(columns, max(int(room / NARROWEST), 1))
+    rows = -(-count // columns)
+    high = float(np.clip(slope * room / columns, 0.4, min(HIGHEST, 1.5 * room / rows)))
+    if callable(_given.get()):
+        figure.set_figheight(rows * (high + 0.4) + BELOW)
+    panels = make_panels(figure, rows, columns, sharex=True, sharey=True).ravel().tolist()
+    for axes in panels[:count]:
+        _set_ticks(axes, min(room / columns, high / slope))
+    for axes in panels[count:]:
+        axes.set_visible(False)
+        above = panels[panels.index(axes) - columns]
+        above.tick_params("x", labelbottom=True)
+    return figure, panels[:count]
+
+
+def label_strip(figure: Figure, x: str, y: str, remarks: str = "") -> None:
+    """Label the axes of a strip together, with remarks below."""
+    figure.supxlabel("\n".join(filter(None, (x, break_lines(remarks, width_of(figure))))))
+    figure.supylabel(y)
+
+
+def width_of(figure: Figure | SubFigure) -> float:
+    """Width of a figure, or of a part of one [inches]."""
+    return float(figure.bbox.width / figure.dpi)
+
+
+def set_title(figure: Figure, words: str) -> None:
+    """Give a figure a title, in as many lines as it takes."""
+    figure.suptitle(break_lines(words, width_of(figure)))
+
+
+def break_lines(words: str, room: float) -> str:
+    """Break words into lines that fit a room [inches]; numbers stay with their units."""
+    letters = int(72 * room / (rcParams["font.size"] * WIDTH_OF_LETTER))
+    together = re.sub(r"(\d) (?=\S{1,3}(?:\s|[,;]|$))", "\\1\u00a0", words)
+    return "\n".join(textwrap.wrap(together, max(letters, 8)))
+
+
+def label_ordinate(axes: Axes, words: str, rows: int = 1) -> None:
+    """Label the ordinate of one of so many rows of axes, in as many lines as it takes."""
+    figure = cast(Figure, axes.figure)
+    axes.set_ylabel(break_lines(words, UPRIGHT * figure.bbox.height / figure.dpi / rows))
 
 
 def figure_without_window(**how: Any) -> Figure:
@@ -101,82 +177,55 @@ def draw_into(given: Figure | SubFigure | Callable[..., Figure]) -> Iterator[Non
         _given.reset(token)
 
 
-def mark_of(kind: str) -> tuple[str, str]:
-    """Return the mark and the name of a kind of special point."""
-    return MARKS.get(kind, ("x", kind))
-
-
-def draw_by_stability(axes: Axes, x: Array, y: Array, kinds: Array) -> None:
-    """Draw a curve (points,), each of its pieces (points - 1,) in the style that its kind has in
-    STABILITY."""
-    changes = np.flatnonzero(np.diff(kinds)) + 1
-    for first, last in pairwise(np.unique([0, *changes, len(kinds)])):
-        part = slice(first, last + 1)
-        axes.plot(x[part], y[part], STABILITY[kinds[first]][0], color=CURVE, linewidth=LINE)
-
-
-def stability_legend(kinds: Collection[int], colour: str) -> list[Line2D]:
-    """Return entries of a legend for those kinds of STABILITY that occur."""
-    return [
-        Line2D([], [], linestyle=style, color=colour, label=words)
-        for kind, (style, words) in STABILITY.items()
-        if kind in kinds
-    ]
-
-
-def set_height(figure: Figure, height: float) -> None:
-    """Give a figure another height [inches], unless somebody else has chosen its size."""
+def add_legend(figure: Figure, handles: Sequence[Artist] | None = None) -> None:
+    """Add a legend below all axes, in as many columns as its names leave room for, and make the
+    figure higher by its lines; handles: its entries, by default those of the axes."""
+    if handles is None:
+        handles = [one for axes in figure.axes for one in axes.get_legend_handles_labels()[0]]
+    if not handles:
+        return
+    longest = max(len(str(one.get_label())) for one in handles)
+    across = rcParams["font.size"] / 72 * (WIDTH_OF_LETTER * longest + BESIDE_NAME)
+    columns = min(max(int(width_of(figure) / across), 1), len(handles))
+    lines = -(-len(handles) // columns)
     if callable(_given.get()):
-        figure.set_figheight(height)
+        size = rcParams["font.size"] / 72
+        figure.set_figheight(figure.get_figheight() + lines * HEIGHT_OF_LINE * size)
+    figure.legend(handles=handles, loc="outside lower center", ncols=columns)
 
 
-def set_limits(axes: Axes, points: Array) -> None:
+def _fit_height(figure: Figure, axes: Axes, slope: float) -> None:
+    """Make a figure no higher than axes ask for that are as wide as it is and slope times as high,
+    unless somebody else has chosen its size."""
+    wide, high = width_of(figure) - BESIDE, figure.bbox.height / figure.dpi - BELOW
+    if callable(_given.get()) and slope * wide < high:
+        figure.set_figheight(slope * wide + BELOW)
+    _set_ticks(axes, min(wide, high / slope))
+
+
+def set_limits(axes: Axes, points: Array, stretch: Array | None = None) -> None:
     """Set limits that show all points (..., 2), in equal scales unless the picture would be a
-    sliver in which nothing is seen."""
-    flat = points.reshape(-1, 2)
+    sliver in which nothing is seen; stretch (2,): times as large as the other that each coordinate
+    is drawn."""
+    flat = points.reshape(-1, 2) * (1.0 if stretch is None else stretch)
     low, high = flat.min(axis=0), flat.max(axis=0)
     middle, half = (low + high) / 2, (high - low) / 2
     equal = half.min() > SLIVER * half.max() or half.min() < 1e-9 * half.max()
+    equal |= stretch is not None
     least = half.max() * 0.4 if equal else 0.0
     half = 1.05 * np.maximum(half, max(least, 1e-9))
-    axes.set_xlim(middle[0] - half[0], middle[0] + half[0])
-    axes.set_ylim(middle[1] - half[1], middle[1] + half[1])
+    x, y = np.ones(2) if stretch is None else stretch
+    axes.set_xlim((middle[0] - half[0]) / x, (middle[0] + half[0]) / x)
+    axes.set_ylim((middle[1] - half[1]) / y, (middle[1] + half[1]) / y)
     if equal:
-        axes.set_aspect("equal")
+        axes.set_aspect(y / x)
+        _fit_height(cast(Figure, axes.figure), axes, half[1] / half[0])
     else:
-        axes.set_title(axes.get_title() + ", scales differ")
+        add_remark(axes, "scales of x and y differ")
 
 
-def draw_marks(axes: Axes, scene: Scene, joints: Array, colour: Any, anchors: bool = True) -> None:
-    """Draw the start of a rod with joints at (n+1, 2), its bodies as discs, their areas by their
-    masses, and on request its supports as dotted lines to triangles at their fixed points, its
-    foundation as a broad line."""
-    mark, size = ("s", 4.5) if scene.boundary_condition.is_clamped else ("o", 3.5)
-    axes.plot(*joints[0], mark, color=colour, markersize=size)
-    for body in scene.distribution.body_outlines:
-        how = {"color": colour, "alpha": 0.6, "markersize": DISC * body.size}
-        axes.plot(*body.positions(joints), "o", **how)
-    if not anchors:
-        return
-    axes.plot(*scene.anchors.foundation_line.T, "-", color=BED, linewidth=6 * LINE, zorder=0)
-    for tie in scene.anchors.support_points:
-        axes.plot(*tie.segment(joints).T, ":", color=colour, linewidth=LINE)
-        axes.plot(tie.x, tie.y, "^", color=FIXED, markersize=7)
-
-
-def describe_marks(scene: Scene, anchors: bool = True) -> str:
-    """Explain the marks that are drawn of a scene."""
-    start = start_name(scene)
-    words = [f"square: clamped {start}" if scene.boundary_condition.is_clamped else f"dot: {start}"]
-    if scene.bodies:
-        words.append("discs: bodies, by mass")
-    if anchors and scene.anchors.support_points:
-        words.append("triangle: where a support is fixed")
-    if anchors and len(scene.anchors.foundation_line):
-        words.append("broad line: foundation")
-    return "; ".join(words)
-
-
-def start_name(scene: Scene) -> str:
-    """Return the name of joint 0: "nose" or "root"."""
-    return "nose" if scene.boundary_condition.start_drawing == "none" else "root"
+def add_remark(axes: Axes, words: str) -> None:
+    """Add words about a picture to the lines below its abscissa's label."""
+    label, _, remarks = axes.get_xlabel().partition("\n")
+    said = "; ".join(filter(None, (remarks.replace("\n", " "), words)))
+    axes.set_xlabel(f"{label}\n{break_lines(said, width_of(cast(Figure, axes.figure)) - BESIDE)}")

@@ -19,12 +19,20 @@ from rodgen.show.canvas import (
     LINE,
     ROD,
     SPECIAL,
+    add_legend,
+    add_remark,
+    label_ordinate,
+    label_strip,
+    make_axes,
+    make_strip,
+    set_title,
+)
+from rodgen.show.marks import (
     describe_marks,
     draw_by_stability,
     draw_marks,
-    make_axes,
-    make_figure,
     mark_of,
+    stability_legend,
 )
 
 if TYPE_CHECKING:
@@ -46,14 +54,10 @@ def film_strip(cycle: Cycle) -> Figure:
     room = MARGIN * max(high - low)
     low, high = low - room, high + room
     width, height = high - low
-    upright = height > 1.5 * width
-    rows, columns = (1, FRAMES) if upright else (2, FRAMES // 2)
-    across = 7.4 / columns
-    tall = float(np.clip(across * height / width, 0.5, 4.0))
-    figure = make_figure(7.8, rows * (tall + 0.35) + 0.9)
-    panels = figure.subplots(rows, columns, sharex=True, sharey=True, squeeze=False)
+    columns = FRAMES if height > 1.5 * width else FRAMES // 2
+    figure, panels = make_strip(7.8, FRAMES, columns, height / width)
     step = (len(joints) - 1) // FRAMES
-    for frame, axes in enumerate(panels.flat):
+    for frame, axes in enumerate(panels):
         at = frame * step
         for back in range(TRAIL, 0, -1):
             before = (at - back * step // TRAIL) % (len(joints) - 1)
@@ -61,15 +65,12 @@ def film_strip(cycle: Cycle) -> Figure:
         axes.plot(*joints[at].T, "-", color=ROD, linewidth=LINE)
         draw_marks(axes, scene, joints[at], ROD)
         axes.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]), aspect="equal")
-        axes.set_title(f"{frame}/{FRAMES} T", fontsize="small")
-        axes.tick_params(labelsize="x-small")
-        axes.grid(alpha=0.3)
+        axes.set_title(f"{frame}/{FRAMES} T")
     kind = "stable" if cycle.stable else "unstable"
     seen = ", seen from its centre of gravity" if is_free else ""
-    words = f"{scene.name}: {kind} cycle, T = {cycle.period:.6g} s{seen}"
-    figure.suptitle(words, fontsize="medium")
-    figure.supxlabel(f"x [m]\n{describe_marks(scene)}", fontsize="small")
-    figure.supylabel("y [m]", fontsize="small")
+    words = f"{kind} cycle, T = {cycle.period:.6g} s{seen}; pale: just before"
+    set_title(figure, f"{scene.name}: cycle")
+    label_strip(figure, "x [m]", "y [m]", f"{words}; {describe_marks(scene)}")
     return figure
 
 
@@ -95,7 +96,8 @@ def multiplier_plane(multipliers: NDArray[np.complex128], name: str, trivial: in
     axes.set(xlabel="real part", ylabel="imaginary part")
     said = f"{grows.sum()} outside" if grows.any() else "none outside"
     rings = f"; ring: {trivial} at 1 by symmetry" if trivial else ""
-    axes.set_title(f"{name}: multipliers, {said}{rings}", fontsize="small")
+    add_remark(axes, f"multipliers: {said}{rings}")
+    set_title(figure, f"{name}: multipliers")
     return figure
 
 
@@ -118,11 +120,10 @@ def cycle_branch_diagram(data: xarray.Dataset, scene: Scene) -> Figure:
             y = [_ordinate(data, name, int(one)) for one in here]
             mark, label = mark_of(kind)
             axes.plot(x, y, mark, color=SPECIAL, markersize=5, label=label)
-        axes.set_ylabel(words)
-    if data.sizes["special"]:
-        top.legend(fontsize="small")
+        label_ordinate(axes, words, 2)
     low.set_xlabel(axis_label(data.attrs["key"]))
-    top.set_title(f"{scene.name}: cycles (solid: stable, dashed: unstable)", fontsize="medium")
+    set_title(figure, f"{scene.name}: cycles")
+    add_legend(figure, [*stability_legend(kinds, CURVE), *top.get_legend_handles_labels()[0]])
     return figure
 
 
@@ -152,8 +153,8 @@ def frequency_energy_plot(data: xarray.Dataset, scene: Scene) -> Figure:
         [0.0], [data.attrs["linear_frequency"]], "o", color=INK, markersize=4, label="linear mode"
     )
     axes.set(xlabel="energy above rest [J]", ylabel="frequency [Hz]")
-    axes.set_title(f"{scene.name}: nonlinear mode {data.attrs['mode']}", fontsize="medium")
-    axes.legend(fontsize="small")
+    set_title(figure, f"{scene.name}: nonlinear mode {data.attrs['mode']}")
+    axes.legend()
     return figure
 
 

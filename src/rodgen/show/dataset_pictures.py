@@ -23,8 +23,8 @@ from rodgen.result import ResultTable, Row, format_value
 from rodgen.scene import Scene
 from rodgen.show.appearance import compose_html, draw_picture
 from rodgen.show.branch_pictures import bifurcation_diagram, boundary_curve
-from rodgen.show.canvas import mark_of
 from rodgen.show.cycle_pictures import cycle_branch_diagram, frequency_energy_plot
+from rodgen.show.marks import mark_of
 from rodgen.show.study_pictures import pictures_of
 from rodgen.show.study_results import StudyResults
 

@@ -23,7 +23,7 @@ from rodgen.analyse.precision.rows import (
 )
 from rodgen.analyse.precision.work_precision import WorkPrecision
 from rodgen.errors import EmptyPictureError
-from rodgen.show.canvas import FAINT, GUIDE, INK, SERIES, TAIL, make_figure
+from rodgen.show.canvas import FAINT, GUIDE, INK, SERIES, TAIL, add_legend, make_figure
 
 # The colour of the series, from 1 on, and the mark.
 OURS = {
@@ -65,7 +65,6 @@ MEASURES = {
     "error_energy": "largest error of the energy [of its scale]",
 }
 LARGEST, SMALLEST = 10.0, 1e-17  # errors that are drawn
-COLUMNS, LINE = 3, 0.16  # of names below a diagram, and inches that a row of them takes
 
 
 def line_style(row: Measurement) -> dict[str, Any]:
@@ -106,9 +105,9 @@ def make_diagram(width: float, height: float, x: str, y: str) -> tuple[Figure, A
 def style_frame(frame: Axes, x: str, y: str) -> None:
     """Give axes their labels and a pale grid."""
     frame.grid(color=GUIDE, alpha=0.3, linewidth=0.6)
-    frame.tick_params(colors=INK, labelsize=8)
-    frame.set_xlabel(x, color=INK, fontsize=9)
-    frame.set_ylabel(y, color=INK, fontsize=9)
+    frame.tick_params(colors=INK)
+    frame.set_xlabel(x, color=INK)
+    frame.set_ylabel(y, color=INK)
     for side, spine in frame.spines.items():
         spine.set(color=GUIDE, visible=side in ("left", "bottom"))
 
@@ -120,7 +119,7 @@ def label_logarithmic(frame: Axes, *, x: bool = True, y: bool = True) -> None:
             low, high = sorted(axis.get_view_interval())
             axis.set_major_formatter(FuncFormatter(lambda value, _: _power_label(value)))
             axis.set_minor_formatter(_minor_formatter(high / low))
-            axis.set_tick_params(which="minor", labelsize=7, labelcolor=INK, color=GUIDE)
+            axis.set_tick_params(which="minor", labelcolor=INK, color=GUIDE)
 
 
 def _power_label(value: float) -> str:
@@ -143,24 +142,15 @@ def _minor_formatter(ratio: float) -> Formatter:
     return FuncFormatter(minor_label)
 
 
-def add_legend(figure: Figure, columns: int = COLUMNS) -> Figure:
-    """Add the names of all lines below the diagram."""
-    figure.legend(
-        loc="outside lower center", ncols=columns, fontsize=8, frameon=False, labelcolor=INK
-    )
-    return figure
-
-
 def work_precision(rows: Sequence[Measurement], measure: str, trusted: float) -> Figure | None:
     """Run time over error, with names below; None where there is nothing to draw."""
-    names = group_rows(drawable_rows(rows, measure, "seconds"), format_label)
-    if not names:
+    if not drawable_rows(rows, measure, "seconds"):
         return None
-    height = 4.2 + LINE * math.ceil(len(names) / COLUMNS)
-    figure, frame = make_diagram(7.6, height, MEASURES[measure], "run time [s]")
+    figure, frame = make_diagram(7.6, 4.2, MEASURES[measure], "run time [s]")
     draw_lines(frame, rows, measure, "seconds", trusted)
     draw_front(frame, rows, measure, trusted)
-    return add_legend(figure)
+    add_legend(figure)
+    return figure
 
 
 def drawable_rows(rows: Sequence[Measurement], measure: str, cost: str) -> list[Measurement]:

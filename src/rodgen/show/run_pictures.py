@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-import tempfile
-from collections.abc import Callable, Iterable
+from collections.abc import Callable
 from dataclasses import replace
 from itertools import cycle
 from pathlib import Path
@@ -20,6 +19,7 @@ from rodgen.integrate import RunError, Solution
 from rodgen.model.quantities import TURNS
 from rodgen.model.terms import describe
 from rodgen.show.canvas import (
+    BEHIND,
     CENTRE,
     CURVE,
     FAINT,
@@ -29,54 +29,63 @@ from rodgen.show.canvas import (
     SERIES,
     SPECIAL,
     TAIL,
+    add_legend,
+    add_remark,
     make_axes,
     set_limits,
+    set_title,
 )
+from rodgen.show.envelope import envelope
+from rodgen.show.picture_files import save_figures
+from rodgen.show.picture_settings import FORMATS, PictureSettings
 from rodgen.show.time_pictures import (
     NAMED,
     force_intervals,
     mark_times,
     moment_map,
     shapes,
+    start_line,
     tail_history,
 )
 
 LONG = 10.0  # sides of its picture, beyond which a path goes to and fro: thin, without rings
 RINGS = 10  # steps between them, at most
-DOTS_PER_INCH = 200
 DASHES = (0, (4, 2)), (0, (4, 2, 1, 2)), (0, (1, 1))  # of works
-# Of a word over a curve.
-BEHIND = {"boxstyle": "square,pad=0.1", "facecolor": PAPER, "edgecolor": "none", "alpha": 0.8}
 LARGEST = 1e12  # of any state: beyond, nothing of the picture can be read
 
 BEND = np.cos(np.radians(12))  # of a turn from line to line, beyond which it is seen as a corner
 SEEN = 0.004  # of the picture: the longer line at a corner that is seen
 SHARP, MOST_SHARP = 0.5, 0.25  # cosine of a turn of 60 degrees; share of turns beyond in a curve
 PARTS, ROUNDS = 4, 3  # into which a step is divided where the curve has a corner; how often
-MOST = 500  # steps that are divided at a time: each costs about a millisecond
+MOST = 2000  # steps that are divided at a time: each costs up to a millisecond
 
 
 def phase_plot(solution: Solution) -> Figure:
-    """Phase plot: how far the rod is bent over how fast it bends, tail link relative to first link.
-    States between samples are computed where lines between these would have corners."""
+    """Phase plot: how far the tail is aside over how fast it moves there; of a single link, its
+    angle. States between samples are computed where lines between these would have corners."""
     figure, (axes,) = make_axes(6.0, 5.0)
     if solution.scene.rod.links > 1:
-        labels = (r"$\varphi_{n-1}-\varphi_0$ [rad]", r"$\omega_{n-1}-\omega_0$ [rad/s]")
+        across = f"tail across the {start_line(solution)}"
+        labels = (f"{across} [m]", f"rate of the {across} [m/s]")
     else:
-        labels = (r"$\varphi_0$ less whole turns [rad]", r"$\omega_0$ [rad/s]")
+        labels = ("angle less whole turns [rad]", "rate of the angle [rad/s]")
     shown, smooth = _refine(solution)
-    angle, rate = _angle_and_rate(shown)
+    angle, rate = _position_and_rate(shown)
     cosines, _ = _turn_cosines(angle, rate)
     sharp = float((cosines < SHARP).sum()) / max(np.isfinite(cosines).sum(), 1)
     joined = sharp < MOST_SHARP
     if solution.scene.rod.links == 1:
         angle, rate = _wrap_angle(angle, rate)
-    axes.plot(angle, rate, "-" if joined else ".", linewidth=0.8, markersize=1.5, color=CURVE)
+    how: dict[str, Any] = {"linewidth": 0.8, "markersize": 1.5, "rasterized": not joined}
+    axes.plot(angle, rate, "-" if joined else ".", color=CURVE, **how)
     axes.plot(angle[0], rate[0], "o", markersize=4, color=INK, label="start")
     axes.plot(angle[-1], rate[-1], "s", markersize=5, color=SPECIAL, label="end")
-    words = "" if smooth else " (lines between samples)"
-    words = words if joined else " (samples: too far apart for a curve)"
-    axes.set(xlabel=labels[0], ylabel=labels[1], title=f"{solution.scene.name}: phase plot{words}")
+    words = "" if smooth else "lines between samples"
+    words = words if joined else "samples, too far apart for a curve"
+    axes.set(xlabel=labels[0], ylabel=labels[1])
+    if words:
+        add_remark(axes, words)
+    set_title(figure, f"{solution.scene.name}: phase plot")
     axes.legend()
     return figure
 
@@ -86,7 +95,7 @@ def _refine(solution: Solution) -> tuple[Solution, bool]:
     no corners left that come from its samples."""
     shown = solution
     for _ in range(ROUNDS):
-        cosines, lengths = _turn_cosines(*_angle_and_rate(shown))
+        cosines, lengths = _turn_cosines(*_position_and_rate(shown))
         corners = np.flatnonzero((cosines < BEND) & (lengths > SEEN))
         steps = np.union1d(corners, corners + 1)  # before and after
         if not len(steps):
@@ -108,12 +117,11 @@ def _refine(solution: Solution) -> tuple[Solution, bool]:
     return shown, True
 
 
-def _angle_and_rate(solution: Solution) -> tuple[Array, Array]:
-    """Return the angle and the rate of the plot, (T,) each."""
+def _position_and_rate(solution: Solution) -> tuple[Array, Array]:
+    """Return the deflection or the angle of the plot and its rate, (T,) each."""
     if solution.scene.rod.links == 1:
         return solution.phi[:, 0], solution.omega[:, 0]
-    angle, rate = (values[:, -1] - values[:, 0] for values in (solution.phi, solution.omega))
-    return angle, rate
+    return solution.values("tail_deflection"), solution.values("tail_deflection_rate")
 
 
 def _wrap_angle(angle: Array, rate: Array) -> tuple[Array, Array]:
@@ -138,8 +146,8 @@ def _turn_cosines(x: Array, y: Array) -> tuple[Array, Array]:
     return cosines, np.maximum(sizes[:-1], sizes[1:])
 
 
-def save_pictures(solution: Solution, folder: Path) -> list[Path]:
-    """Write every picture of a run as PNG into a folder that exists; returns the files.
+def save_pictures(solution: Solution, folder: Path, settings: PictureSettings) -> list[Path]:
+    """Write every picture of a run into a folder that exists; returns the files.
 
     Of a run that blew up, only the time before is drawn; moments only where there are any.
     """
@@ -148,25 +156,17 @@ def save_pictures(solution: Solution, folder: Path) -> list[Path]:
         return []
     bent = shown.bending_moments.any()
     there = {name: draw for name, draw in PICTURES.items() if name != "moment" or bent}
-    for name in PICTURES.keys() - there:  # of an earlier run
-        (folder / f"{name}.png").unlink(missing_ok=True)
-    return save_figures(((name, draw(shown)) for name, draw in there.items()), folder)
+    made = save_figures(((name, draw(shown)) for name, draw in there.items()), folder, settings)
+    every = {folder / f"{name}.{ending}" for name in PICTURES for ending in FORMATS}
+    for picture in every.difference(made):  # of an earlier run
+        picture.unlink(missing_ok=True)
+    return made
 
 
 def drawable_part(solution: Solution) -> Solution:
     """Return the run before it blew up, without samples where it did so at once."""
     beyond = np.flatnonzero(np.abs(solution.y).max(axis=1) > LARGEST)
     return solution.head(int(beyond[0])) if len(beyond) else solution
-
-
-def save_figures(figures: Iterable[tuple[str, Figure]], folder: Path) -> list[Path]:
-    """Write figures by name as PNG into a folder that exists: all of them, whole, or none."""
-    with tempfile.TemporaryDirectory(dir=folder, prefix=".pictures") as making:
-        made = []
-        for name, figure in figures:
-            made.append(Path(making) / f"{name}.png")
-            figure.savefig(made[-1], dpi=DOTS_PER_INCH, bbox_inches="tight")
-        return [picture.replace(folder / picture.name) for picture in made]
 
 
 def trajectories(solution: Solution) -> Figure:
@@ -192,10 +192,11 @@ def trajectories(solution: Solution) -> Figure:
     _annotate_path(axes, solution)
     every = f"; rings: every {ticks[1] - ticks[0]:.3g} s" if ringed else ""
     marks = f"dot: start; square: end, after {t[-1] - t[0]:.4g} s{every}"
-    axes.set(xlabel=f"x [m]\n{marks}", ylabel="y [m]")
-    axes.set_title(f"{solution.scene.name}: trajectories")
+    axes.set(xlabel="x [m]", ylabel="y [m]")
+    add_remark(axes, marks)
+    set_title(figure, f"{solution.scene.name}: trajectories")
     set_limits(axes, np.concatenate(list(paths.values())))
-    figure.legend(loc="outside lower center", ncols=2)
+    add_legend(figure)
     return figure
 
 
@@ -210,14 +211,14 @@ def _annotate_path(axes: Axes, solution: Solution) -> None:
         if ends[0] < t < ends[1]:
             x, y = (float(np.interp(t, solution.t, part)) for part in path.T)
             axes.plot(x, y, "D", color=FAINT, markersize=4)
-            style: dict[str, Any] = {"fontsize": "x-small", "color": FAINT, "bbox": BEHIND}
+            style: dict[str, Any] = {"color": FAINT, "bbox": BEHIND}
             axes.annotate(words, (x, y), (7, -3), textcoords="offset points", **style)
 
 
 def energies(solution: Solution) -> Figure:
     """Energies and work over time; that of gravity from the start on, as a height far from zero
     swamps all else. Below, the error of the energy balance."""
-    figure, (axes, below) = make_axes(6.0, 6.0, 2, sharex=True, height_ratios=(2, 1))
+    figure, (axes, below) = make_axes(6.0, 5.0, 2, sharex=True, height_ratios=(2, 1))
     t, energy = solution.t, solution.energy
     gravity = energy.gravity - energy.gravity[0]
     from_start = bool(energy.gravity.any())
@@ -238,12 +239,13 @@ def energies(solution: Solution) -> Figure:
         style: dict[str, Any] = {"linestyle": dashes, "color": next(colours), "linewidth": LINE}
         axes.plot(t, work, label=f"work of {describe(name)}", **style)
     mark_times(axes, solution)
-    axes.set(ylabel="energy [J]", title=f"{solution.scene.name}: energies and work")
-    figure.legend(fontsize="small", loc="outside lower center", ncols=3)
+    axes.set(ylabel="energy [J]")
+    set_title(figure, f"{solution.scene.name}: energies and work")
+    add_legend(figure)
     error = np.abs(solution.energy_balance)
     if np.any(error > 0):
         below.semilogy(t, np.where(error > 0, error, np.nan), color=INK, linewidth=0.8)
-    below.set(xlabel="t [s]", ylabel="|balance error| [J]")
+    below.set(xlabel="t [s]", ylabel="|error| [J]")
     return figure
 
 
@@ -254,6 +256,7 @@ PICTURES: dict[str, Callable[[Solution], Figure]] = {
     "phase": phase_plot,
     "tail": tail_history,
     "moment": moment_map,
+    "envelope": envelope,
 }
 
 

@@ -12,32 +12,47 @@ from matplotlib.figure import Figure
 from rodgen.analyse.chaos.lyapunov import Exponents
 from rodgen.analyse.spectrum import Spectrum
 from rodgen.display import Plottable
-from rodgen.show.canvas import ALONG, CURVE, FAINT, LINE, SPECIAL, make_axes, make_figure
+from rodgen.model.term import typeset
+from rodgen.show.canvas import (
+    ALONG,
+    CURVE,
+    FAINT,
+    LINE,
+    SPECIAL,
+    make_axes,
+    make_pair,
+    set_title,
+)
 
 CURVES = 12  # of means that settle
 NAMED = 6  # of these, with a name each
+BEYOND = 1.5  # times the last peak, up to where a spectrum is drawn
 SPECTRUM = 3  # exponents from which on there is a picture of all of them
 
 
 def spectral_density(found: Spectrum) -> Figure:
-    """Spectral density over frequency, with a line at every peak."""
+    """Spectral density over frequency, with a line and a number at every peak."""
     figure, (axes,) = make_axes(6.5, 4.0)
     axes.semilogy(found.bins[1:], found.density[1:], color=CURVE, linewidth=LINE)
-    for frequency in found.frequencies:
-        axes.axvline(frequency, color=SPECIAL, linewidth=0.8, linestyle=":")
-    axes.set(xlabel="frequency [Hz]", ylabel="density [unit^2/Hz]")
+    heights = np.interp(found.frequencies, found.bins, found.density)
+    places = zip(found.frequencies, heights, strict=True)
+    for number, place in enumerate(places, 1):
+        axes.axvline(place[0], color=SPECIAL, linewidth=0.8, linestyle=":")
+        how: dict[str, Any] = {"textcoords": "offset points", "color": SPECIAL}
+        axes.annotate(f"{number}", place, (2, 2), **how)
+    axes.set_xlim(0.0, min(BEYOND * max(found.frequencies), found.bins[-1]))
+    axes.set(xlabel="frequency [Hz]", ylabel=f"density [{typeset('unit^2/Hz')}]")
     return figure
 
 
 def convergence(found: Exponents) -> Figure:
     """Means over time with their errors at the end; from three on, beside them the spectrum."""
     several = len(found.exponents) >= SPECTRUM
-    figure = make_figure(9.5 if several else 6.5, 4.0)
-    panels = figure.subplots(1, 1 + several, squeeze=False, width_ratios=[3, 2][: 1 + several])[0]
-    _means(panels[0], found)
+    figure, (axes, *beside) = make_pair(7.4, 3.4) if several else make_axes(6.0, 4.0)
+    _means(axes, found)
     if several:
-        _spectrum(panels[1], found)
-    figure.suptitle(f"{found.scene.name}: Lyapunov exponents", fontsize="medium")
+        _spectrum(beside[0], found)
+    set_title(figure, f"{found.scene.name}: Lyapunov exponents")
     return figure
 
 
@@ -60,9 +75,8 @@ def _means(axes: Axes, found: Exponents) -> None:
     low, high = float(late.min()), float(late.max())
     room = 0.08 * (high - low) + float(found.errors.max())
     axes.set_ylim(low - room, high + room)
-    axes.grid(alpha=0.3)
     if count <= NAMED:
-        axes.legend(fontsize="small")
+        axes.legend()
 
 
 def _spectrum(axes: Axes, found: Exponents) -> None:
@@ -74,7 +88,6 @@ def _spectrum(axes: Axes, found: Exponents) -> None:
     axes.set(xlabel="number", ylabel="exponent [1/s]")
     if len(numbers) <= CURVES:
         axes.set_xticks(numbers)
-    axes.grid(alpha=0.3)
 
 
 PICTURES_OF: dict[type[Plottable], Mapping[str, Callable[[Any], Figure]]] = {

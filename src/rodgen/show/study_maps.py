@@ -2,24 +2,44 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from itertools import zip_longest
+from collections.abc import Collection, Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
 from matplotlib import colormaps
 from matplotlib.axes import Axes
 from matplotlib.cm import ScalarMappable
-from matplotlib.colors import BoundaryNorm, Colormap, ListedColormap, LogNorm, Normalize
+from matplotlib.colors import (
+    BoundaryNorm,
+    CenteredNorm,
+    Colormap,
+    ListedColormap,
+    LogNorm,
+    Normalize,
+    to_rgb,
+)
+from matplotlib.contour import ContourSet
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
-from matplotlib.patheffects import withStroke
 from matplotlib.ticker import LogLocator
 from numpy.typing import NDArray
 
 from rodgen.arrays import Array, even_indices
 from rodgen.integrate.stepper import FINISHED, NO_RESULT
-from rodgen.show.canvas import BED, INK, PAPER, SERIES, SPECIAL, VALUES, make_figure
+from rodgen.show.canvas import (
+    BED,
+    INK,
+    MOMENTS,
+    SERIES,
+    SPECIAL,
+    VALUES,
+    add_legend,
+    add_remark,
+    label_strip,
+    make_axes,
+    make_strip,
+    set_title,
+)
 from rodgen.show.study_results import StudyResults, is_logarithmic
 
 MOST_PANELS = 16
@@ -28,6 +48,10 @@ WIDE = 1e3  # largest over smallest, from which colours go by the logarithm
 MANY = 3000  # points of a map beyond which those of a whole grid are not shown
 MOST_PERIOD = 8  # different values of a section that are told apart
 SAME, OUTSIDE = 1e-3, (0.001, 0.999)  # of the range; what of all values is taken for it
+
+
+PALE = 0.5  # part of a colour in the areas of classes, whose names are in them; the rest is white
+AROUND = 0.1  # of the shorter side of a map, around a name in its area
 
 
 class Colours(NamedTuple):
@@ -40,30 +64,29 @@ class Colours(NamedTuple):
 
 def map_plot(of: StudyResults, name: str) -> Figure:
     """Map of a number over two axes, the first of them upwards."""
-    figure = make_figure(6.5, 5.0)
-    axes = figure.add_subplot()
+    figure, (axes,) = make_axes(6.5, 5.0)
     values, classes = of.values_of(name)
     colours = _choose_colours(values, classes)
-    _draw_map(axes, of, of.axes, values, of.status, colours, lines=True)
-    all_alike = len(classes) == 1 and bool((of.status == FINISHED).all())
-    everywhere = f": {classes[0]} everywhere" if all_alike else ""
-    axes.set_title(f"{of.title}: {name}{everywhere}")
-    _add_legend(figure, axes, of, name, colours)
+    named = _draw_map(axes, of, of.axes, values, of.status, colours, lines=True)
+    if classes:
+        add_remark(axes, of.words(name))
+    set_title(figure, f"{of.title}: {of.words(name)}")
+    _add_legend(figure, axes, of, name, colours, named)
     return figure
 
 
 def period_map(of: StudyResults, name: str) -> Figure:
     """Map of how many different values a section has over two axes: one where the motion repeats
     itself from one crossing to the next, two where it does so every other time, and so on."""
-    figure = make_figure(6.5, 5.0)
-    axes = figure.add_subplot()
+    figure, (axes,) = make_axes(6.5, 5.0)
     counts = np.minimum(count_distinct(of.values_of(name)[0]), MOST_PERIOD + 1)
     values = np.where(of.status == FINISHED, counts, np.nan)
     shades = [BED, *colormaps[VALUES](np.linspace(0, 1, MOST_PERIOD)), INK]
     colours = _class_colours(["none", *map(str, range(1, MOST_PERIOD + 1)), "more"], shades)
     # Lines between whole numbers of no order would say nothing, and hide what is small.
     _draw_map(axes, of, of.axes, values, of.status, colours._replace(classes=()), lines=False)
-    axes.set_title(f"{of.title}: different values of\n{name}", fontsize="medium")
+    add_remark(axes, f"how many different values: {of.words(name)}")
+    set_title(figure, f"{of.title}: {of.words(name)}")
     _add_legend(figure, axes, of, name, colours)
     return figure
 
@@ -84,26 +107,19 @@ def map_matrix(of: StudyResults, name: str) -> Figure:
     panels_by, others = of.axes[at], of.axes[:at] + of.axes[at + 1 :]
     shown = even_indices(0, of.status.shape[at] - 1, MOST_PANELS)
     columns = int(np.ceil(np.sqrt(len(shown))))
-    rows = -(-len(shown) // columns)
-    figure = make_figure(2.2 * columns + 1.4, 2.0 * rows + 0.8)
-    panels = figure.subplots(rows, columns, sharex=True, sharey=True, squeeze=False)
+    figure, panels = make_strip(2.2 * columns + 1.4, len(shown), columns, 0.8)
     values, classes = of.values_of(name)
     colours = _choose_colours(values, classes)
     beside, texts = of.axis_values(panels_by)
-    for axes, here in zip_longest(panels.flat, shown.tolist()):
-        if here is None:
-            axes.set_visible(False)
-            continue
+    for axes, here in zip(panels, shown.tolist(), strict=True):
         part, status = (np.take(whole, here, axis=at) for whole in (values, of.status))
         _draw_map(axes, of, others, part, status, colours, lines=False)
         value = texts[here] if texts else f"{beside[here]:.4g}"
-        axes.set_title(f"{panels_by.rpartition('.')[2]} = {value}", fontsize="x-small")
-        axes.tick_params(labelsize="x-small")
+        axes.set_title(f"{of.words(panels_by)} = {value}")
         axes.set(xlabel="", ylabel="")
-    figure.supxlabel(of.label(others[1]), fontsize="small")
-    figure.supylabel(of.label(others[0]), fontsize="small")
-    figure.suptitle(f"{of.title}: {name}", fontsize="medium")
-    _add_legend(figure, panels.ravel().tolist(), of, name, colours)
+    label_strip(figure, of.label(others[1]), of.label(others[0]), of.words(name) * bool(classes))
+    set_title(figure, f"{of.title}: {of.words(name)}")
+    _add_legend(figure, panels, of, name, colours)
     return figure
 
 
@@ -116,11 +132,14 @@ def _class_colours(classes: Sequence[str], shades: Sequence[Any]) -> Colours:
 def _choose_colours(values: Array, classes: Sequence[str]) -> Colours:
     """Choose the colours of values, or of classes."""
     if classes:
-        return _class_colours(classes, [SERIES[at % len(SERIES)] for at in range(len(classes))])
+        shades = [PALE * np.array(to_rgb(one)) + 1 - PALE for one in SERIES]
+        return _class_colours(classes, [shades[at % len(shades)] for at in range(len(classes))])
     found = values[np.isfinite(values)]
     low, high = (found.min(), found.max()) if len(found) else (0.0, 1.0)
     if low > 0 and high > WIDE * low:
         return Colours(LogNorm(low, high), colormaps[VALUES])
+    if low < 0 < high:  # what grows and what dies away have colours of their own
+        return Colours(CenteredNorm(halfrange=max(-low, high)), MOMENTS)
     return Colours(Normalize(low, high if high > low else low + 1.0), colormaps[VALUES])
 
 
@@ -132,8 +151,9 @@ def _draw_map(
     status: NDArray[Any],
     colours: Colours,
     lines: bool,
-) -> None:
-    """Draw one map; lines: of equal values, between numbers."""
+) -> list[int]:
+    """Draw one map; lines: of equal values, between numbers. Returns the classes that have their
+    names in it."""
     (y, _), (x, _) = (of.axis_values(name) for name in names)
     computed, classes = status != "", colours.classes
     filled = _fill_nearest(values, computed)
@@ -144,14 +164,12 @@ def _draw_map(
         norm=colours.norm,
         cmap=colours.map,
         rasterized=True,
-        alpha=0.85 if classes else 1.0,
     )
     if lines and min(values.shape) > 1 and not classes and np.isfinite(filled).sum() > 3:
         locator = LogLocator() if isinstance(colours.norm, LogNorm) else None
-        drawn = axes.contour(x, y, filled, LEVELS, locator=locator, colors=INK, linewidths=0.5)
-        for text in axes.clabel(drawn, fontsize="xx-small", fmt="%.3g"):
-            text.set_path_effects([withStroke(linewidth=2.0, foreground=PAPER)])
-    elif min(values.shape) > 1 and len(classes) > 1:
+        axes.contour(x, y, filled, LEVELS, locator=locator, colors=INK, linewidths=0.5)
+    named = _name_areas(axes, x, y, filled, classes) if lines else []
+    if min(values.shape) > 1 and len(classes) > 1:
         axes.contour(x, y, filled, np.arange(len(classes) - 1) + 0.5, colors=INK, linewidths=0.8)
     X, Y = np.meshgrid(x, y)
     if not computed.all():
@@ -163,6 +181,21 @@ def _draw_map(
     axes.plot(X[lost], Y[lost], "x", color=SPECIAL, markersize=size)
     of.set_axis(axes, names[1], "x")
     of.set_axis(axes, names[0], "y")
+    return named
+
+
+def _name_areas(axes: Axes, x: Array, y: Array, values: Array, classes: Sequence[str]) -> list[int]:
+    """Write the names of classes into their areas, where these have room. Returns the classes."""
+    from scipy.ndimage import distance_transform_edt
+
+    named = []
+    for at, name in enumerate(classes):
+        inside = distance_transform_edt(np.pad(values == at, 1))[1:-1, 1:-1]
+        row, column = np.unravel_index(int(inside.argmax()), inside.shape)
+        if inside[row, column] > AROUND * min(inside.shape):
+            axes.text(x[column], y[row], name, ha="center", va="center")
+            named.append(at)
+    return named
 
 
 def _fill_nearest(values: Array, computed: NDArray[np.bool_]) -> Array:
@@ -186,18 +219,29 @@ def _cell_edges(values: Array) -> Array:
     return np.exp(made) if logs else made
 
 
-def _add_legend(figure: Figure, axes: Any, of: StudyResults, name: str, colours: Colours) -> None:
-    """Add a legend of colours and marks, or a colour bar."""
+def _add_legend(
+    figure: Figure,
+    axes: Any,
+    of: StudyResults,
+    name: str,
+    colours: Colours,
+    named: Collection[int] = (),
+) -> None:
+    """Add a legend of marks and of colours but those of named classes, or a colour bar."""
     handles = [
         Line2D([], [], marker="s", linestyle="", color=colours.map(at), label=one)
         for at, one in enumerate(colours.classes)
+        if at not in named
     ]
     if of.failures.any():
         handles.append(Line2D([], [], marker="x", linestyle="", color=SPECIAL, label="failed"))
     if (of.status == "").any():
         handles.append(Line2D([], [], marker=".", linestyle="", color=INK, label="computed points"))
     if not colours.classes:
-        bar = ScalarMappable(colours.norm, colours.map)
-        figure.colorbar(bar, ax=axes, label=of.label(name))
+        shades = ScalarMappable(colours.norm, colours.map)
+        bar = figure.colorbar(shades, ax=axes, label=of.label(name))
+        for lines in getattr(axes, "collections", ()):  # their values are on the bar
+            if isinstance(lines, ContourSet):
+                bar.add_lines(lines)
     if handles:
-        figure.legend(handles=handles, loc="outside lower center", ncols=4, fontsize="small")
+        add_legend(figure, handles)

@@ -3,18 +3,33 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from rodgen.arrays import Array
-from rodgen.show.canvas import INK, LINE, SERIES, SPECIAL, make_axes, make_figure
-from rodgen.show.run_pictures import save_figures
+from rodgen.show.canvas import (
+    BESIDE,
+    CURVE,
+    INK,
+    LINE,
+    SERIES,
+    SPECIAL,
+    break_lines,
+    label_strip,
+    make_axes,
+    make_figure,
+    make_panels,
+    set_title,
+    width_of,
+)
+from rodgen.show.picture_files import save_figures
+from rodgen.show.picture_settings import PictureSettings
 from rodgen.show.study_maps import map_matrix, map_plot, period_map
 from rodgen.show.study_results import StudyResults
 
@@ -22,12 +37,15 @@ if TYPE_CHECKING:
     import xarray
 
 MOST_PICTURES = 12
-COLUMNS = 5  # of a scatter matrix, beside what is kept
+COLUMNS = 5  # of a scatter matrix, and rows
+DENSE, DENSITY = 3000, "Blues"  # points from which on their density is drawn, and its colours
 FEW = 200  # points of a curve, up to which they are joined by lines
 
 
-def save_study_pictures(dataset: xarray.Dataset, folder: Path) -> list[Path]:
-    """Write pictures of what a study has kept as PNG into a folder that exists; returns the files.
+def save_study_pictures(
+    dataset: xarray.Dataset, folder: Path, settings: PictureSettings
+) -> list[Path]:
+    """Write pictures of what a study has kept into a folder that exists; returns the files.
 
     One axis: a curve of every number, a bifurcation diagram of every section. Two: a map with lines
     of equal values, and the points where not all are computed; of a section, how many values it
@@ -35,7 +53,8 @@ def save_study_pictures(dataset: xarray.Dataset, folder: Path) -> list[Path]:
     crosses. Of more than 200 000 points only some are shown, as the title says.
     """
     pictures = pictures_of(dataset)
-    return save_figures(((file_name(name), make()) for name, make in pictures.items()), folder)
+    figures = ((file_name(name), make()) for name, make in pictures.items())
+    return save_figures(figures, folder, settings)
 
 
 def pictures_of(dataset: xarray.Dataset) -> dict[str, Callable[[], Figure]]:
@@ -77,19 +96,19 @@ def curve_plot(of: StudyResults, name: str) -> Figure:
     for at in range(columns.shape[1]):
         label = f"{at + 1}" if columns.shape[1] > 1 else None
         axes.plot(x[order], columns[order, at], style, linewidth=LINE, markersize=size, label=label)
-    _mark_failures(axes, of, x)
+    _mark_lost(axes, x[of.failures])
     of.set_axis(axes, of.axes[0], "x")
     if classes:
         axes.set_yticks(range(len(classes)), classes)
-    axes.set(ylabel=of.label(name), title=of.title)
+    axes.set(ylabel=of.label(name))
+    set_title(figure, of.title)
     if columns.shape[1] > 1 or of.failures.any():
-        axes.legend(fontsize="small")
+        axes.legend()
     return figure
 
 
-def _mark_failures(axes: Axes, of: StudyResults, x: Array) -> None:
+def _mark_lost(axes: Axes, lost: Array) -> None:
     """Mark points that failed, along the lower edge."""
-    lost = x[of.failures]
     if len(lost):
         axes.plot(
             lost,
@@ -111,9 +130,10 @@ def bifurcation_plot(of: StudyResults, name: str) -> Figure:
     shown = np.isfinite(values)
     size = float(np.clip(3e3 / max(1, shown.sum()), 0.1, 3.0))
     axes.plot(points[shown], values[shown], ".", color=INK, markersize=size, rasterized=True)
-    _mark_failures(axes, of, x)
+    _mark_lost(axes, x[of.failures])
     of.set_axis(axes, of.axes[0], "x")
-    axes.set(ylabel=of.label(name), title=f"{of.title}: bifurcation diagram")
+    axes.set(ylabel=of.label(name))
+    set_title(figure, f"{of.title}: bifurcation diagram")
     return figure
 
 
@@ -121,58 +141,53 @@ def bifurcation_plot(of: StudyResults, name: str) -> Figure:
 
 
 def scatter_matrix(of: StudyResults) -> Figure:
-    """Scatter matrix: every number over every other, histograms on the diagonal."""
-    columns = [*_scatter_columns(of)]
+    """Every result over every varied number, and beside them how the results are distributed."""
+    inputs, results = _scatter_columns(of)
     lost = of.failures.ravel()
-    count = len(columns)
-    figure = make_figure(1.7 * count + 0.6, 1.7 * count + 0.6)
-    panels = figure.subplots(count, count, squeeze=False)
-    size = float(np.clip(60 / np.sqrt(max(1, of.status.size)), 0.5, 3.0))
-    for row, (y_name, y, y_varied) in enumerate(columns):
-        for column, (x_name, x, x_varied) in enumerate(columns):
-            axes: Axes = panels[row, column]
-            axes.tick_params(labelsize="xx-small")
-            if column > row:
-                axes.set_visible(False)
-            elif column == row:
-                axes.hist(x[np.isfinite(x)], bins=30, color=SERIES[0 if x_varied else 4])
-                axes.set_yticks([])
-            else:
-                there = ~lost & np.isfinite(x) & np.isfinite(y)
-                axes.plot(
-                    x[there], y[there], ".", color=INK, alpha=0.4, markersize=size, rasterized=True
-                )
-                if x_varied and y_varied:
-                    axes.plot(x[lost], y[lost], "x", color=SPECIAL, markersize=2 * size)
-            if row == count - 1:
-                axes.set_xlabel(_short_label(of, x_name), fontsize="x-small")
-            if column == 0:
-                axes.set_ylabel(_short_label(of, y_name), fontsize="x-small")
-    failed = f", {lost.sum()} of {lost.size} failed (red)" if lost.any() else ""
-    figure.suptitle(f"{of.title}: {lost.size} points{failed}", fontsize="medium")
+    rows, columns = max(len(results), 1), len(inputs)
+    figure = make_figure(1.7 * columns + 1.6, 1.5 * rows + 0.7)
+    ratios = [*[1.0] * columns, 0.4]
+    how: dict[str, Any] = {"sharex": "col", "sharey": "row", "width_ratios": ratios}
+    panels = make_panels(figure, rows, columns + 1, **how)
+    width, height = (width_of(figure) - BESIDE) / columns, figure.bbox.height / figure.dpi / rows
+    for row, (name, y) in enumerate(results):
+        there = ~lost & np.isfinite(y)
+        for axes, (_, x) in zip(panels[row], inputs, strict=False):
+            _draw_points(axes, x[there], y[there])
+        bins = min(max(int(np.sqrt(there.sum())), 5), 40)
+        panels[row, -1].hist(y[there], bins=bins, orientation="horizontal", color=CURVE)
+        panels[row, -1].set_axis_off()
+        panels[row, 0].set_ylabel(break_lines(of.label(name), 0.65 * height))
+    for at, (name, x) in enumerate(inputs):
+        panels[-1, at].set_xlabel(break_lines(of.label(name), width))
+        _mark_lost(panels[-1, at], x[lost])
+    if lost.any():
+        label_strip(figure, "", "", f"{lost.sum()} of {lost.size} points failed (red)")
+    set_title(figure, f"{of.title}: {lost.size} points")
     return figure
 
 
-def _scatter_columns(of: StudyResults) -> Iterator[tuple[str, Array, bool]]:
-    """Yield name and values of varied keys and of kept numbers, and whether each is varied."""
+def _draw_points(axes: Axes, x: Array, y: Array) -> None:
+    """Draw points, or their density where there are many."""
+    if len(x) > DENSE:
+        axes.hexbin(x, y, gridsize=30, cmap=DENSITY, mincnt=1, bins="log", linewidths=0.1)
+        return
+    size = float(np.clip(60 / np.sqrt(max(1, len(x))), 0.8, 3.0))
+    how: dict[str, Any] = {"alpha": 0.5, "markersize": size, "markeredgewidth": 0}
+    axes.plot(x, y, ".", color=CURVE, rasterized=True, **how)
+
+
+def _scatter_columns(
+    of: StudyResults,
+) -> tuple[list[tuple[str, Array]], list[tuple[str, Array]]]:
+    """Return names and values of the varied numbers and of the results that are single numbers."""
+    inputs = []
     for name in of.axes[:COLUMNS]:
         values, _ = of.axis_values(name)
         if not of.is_sample:
             values = np.broadcast_to(
                 values.reshape([-1 if one == name else 1 for one in of.axes]), of.status.shape
             )
-        yield name, values.ravel(), True
-    left = COLUMNS
-    for name in of.kept:
-        if not of.inner_dims(name) and left:
-            left -= 1
-            yield name, of.values_of(name)[0].ravel(), False
-
-
-def _short_label(of: StudyResults, name: str) -> str:
-    """Return a label that fits a small panel."""
-    label = of.label(name)
-    if name not in of.axes or label != name:
-        return label
-    before, _, last = name.rpartition(".")
-    return f"{before.rpartition('.')[2]}.{last}" if last.isdecimal() else last
+        inputs.append((name, values.ravel()))
+    single = [name for name in of.kept if not of.inner_dims(name)][:COLUMNS]
+    return inputs, [(name, of.values_of(name)[0].ravel()) for name in single]

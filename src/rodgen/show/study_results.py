@@ -12,7 +12,9 @@ from matplotlib.axes import Axes
 from numpy.typing import NDArray
 
 from rodgen.arrays import Array
+from rodgen.dataset_result import LONG_NAME, UNITS
 from rodgen.integrate.stepper import FINISHED, NO_RESULT
+from rodgen.model.term import typeset
 from rodgen.model.terms import axis_label
 from rodgen.studies.point_arrays import ALWAYS, METHOD
 
@@ -85,10 +87,18 @@ class StudyResults:
         """Whether each point has no result, though it was computed."""
         return np.isin(self.status, NO_RESULT)
 
+    def words(self, name: str) -> str:
+        """Return what a variable or an axis is, in words, its name where there are none."""
+        if name in self.axes:
+            return axis_label(name).partition(" [")[0]
+        return str(self.dataset[name].attrs.get(LONG_NAME, "") or name)
+
     def label(self, name: str) -> str:
-        """Return a name with its unit."""
-        units = self.dataset[name].attrs.get("units", "") if name in self.dataset else ""
-        return f"{name} [{units}]" if units else axis_label(name)
+        """Return words for a variable or an axis with its unit."""
+        if name in self.axes:
+            return axis_label(name)
+        units = self.dataset[name].attrs.get(UNITS, "")
+        return f"{self.words(name)} [{typeset(units)}]" if units else self.words(name)
 
     def axis_values(self, name: str) -> tuple[Array, list[str]]:
         """Return the values of an axis, as numbers, and their labels where they are text."""

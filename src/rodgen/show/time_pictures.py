@@ -24,12 +24,17 @@ from rodgen.show.canvas import (
     FAINT,
     LINE,
     MOMENTS,
-    describe_marks,
-    draw_marks,
+    ROOMY,
+    add_remark,
+    label_ordinate,
     make_axes,
-    make_figure,
+    make_pair,
+    moment_norm,
     set_limits,
+    set_title,
+    width_of,
 )
+from rodgen.show.marks import describe_marks, draw_marks, start_name
 
 WINDOW = "hann"
 SHORTEST = 16  # samples of a spectrum
@@ -44,37 +49,30 @@ FURTHER = 1.1  # times as far as in the second half, from which the first is dra
 
 
 def tail_history(solution: Solution) -> Figure:
-    """Distance of the tail from the line of the rod's start over time, and its spectrum below."""
-    figure, (above, below) = make_axes(6.4, 5.6, 2)
-    signal = tail_deflection(solution)
-    above.plot(solution.t, signal, color=CURVE, linewidth=0.8)
-    start = "clamp" if solution.scene.boundary_condition.is_clamped else "first link"
-    above.set(
-        xlabel="t [s]",
-        ylabel=f"tail across the {start} [m]",
-        title=f"{solution.scene.name}: tail",
-    )
-    mark_times(above, solution)
+    """Distance of the tail from the line of the rod's start over time, and its spectrum."""
+    figure, (first, second) = make_pair(7.4, 3.4)
+    signal = solution.values("tail_deflection")
+    first.plot(solution.t, signal, color=CURVE, linewidth=0.8)
+    first.set(xlabel="t [s]")
+    stacked = 1 + (width_of(figure) < ROOMY)
+    label_ordinate(first, f"tail across the {start_line(solution)} [m]", stacked)
+    set_title(figure, f"{solution.scene.name}: tail")
+    mark_times(first, solution)
     even, steps = _uniform_samples(solution)
     if len(even) >= SHORTEST and np.ptp(signal) > 0:
         found = amplitude_spectrum(signal[even][:, None], WINDOW)
         frequencies = np.fft.rfftfreq(len(even), steps)
-        below.semilogy(frequencies[1:], found[1:], color=CURVE, linewidth=0.8)
-        below.set(xlabel=f"frequency [Hz], {WINDOW.capitalize()} window", ylabel="amplitude [m]")
+        second.semilogy(frequencies[1:], found[1:], color=CURVE, linewidth=0.8)
+        second.set(xlabel=f"frequency [Hz], {WINDOW.capitalize()} window", ylabel="amplitude [m]")
     else:
-        below.text(0.5, 0.5, "no spectrum: too few samples", ha="center", va="center")
-        below.set_axis_off()
+        second.text(0.5, 0.5, "no spectrum: too few samples", ha="center", va="center")
+        second.set_axis_off()
     return figure
 
 
-def tail_deflection(solution: Solution) -> Array:
-    """Return the distance of the tail from the line of the rod's start, positive to its left [m],
-    (T,): of the clamp, or of the first link."""
-    rod, clamped = solution.scene.rod, solution.scene.boundary_condition.is_clamped
-    angle = (rod.clamp_angle or 0.0) if clamped else solution.phi[:, 0]
-    dx, dy = (solution.joints[:, -1] - solution.joints[:, 0]).T
-    found: Array = dy * np.cos(angle) - dx * np.sin(angle)
-    return found
+def start_line(solution: Solution) -> str:
+    """Return what the line is from which the deflection of the tail is measured."""
+    return "clamp" if solution.scene.boundary_condition.is_clamped else "first link"
 
 
 def _uniform_samples(solution: Solution) -> tuple[NDArray[np.int64], float]:
@@ -88,11 +86,10 @@ def _uniform_samples(solution: Solution) -> tuple[NDArray[np.int64], float]:
 
 def moment_map(solution: Solution) -> Figure:
     """Bending moment over time and along the rod."""
-    figure = make_figure(6.4, 4.4)
-    axes = figure.add_subplot()
+    figure, (axes,) = make_axes(6.4, 4.4)
     kept = even_indices(0, len(solution.t) - 1, COLUMNS)
     found = solution.bending_moments[kept]
-    axes.set_title(f"{solution.scene.name}: bending moment")
+    set_title(figure, f"{solution.scene.name}: bending moment")
     if not solution.bending_moments.any():  # of a chain
         axes.text(0.5, 0.5, "none anywhere, at any time", ha="center", va="center")
         axes.set_axis_off()
@@ -104,12 +101,12 @@ def moment_map(solution: Solution) -> Figure:
         s,
         found.T,
         cmap=MOMENTS,
-        vmin=-limit,
-        vmax=limit,
+        norm=moment_norm(limit),
         shading="nearest" if len(kept) > 1 else "auto",
         rasterized=True,
     )
-    axes.set(xlabel="t [s]", ylabel="s along the rod (1: tail)", ylim=(0.0, 1.0))
+    along = f"s along the rod (0: {start_name(solution.scene)}, 1: tail)"
+    axes.set(xlabel="t [s]", ylabel=along, ylim=(0.0, 1.0))
     mark_times(axes, solution)
     figure.colorbar(mesh, ax=axes, label="bending moment [N m]")
     return figure
@@ -124,7 +121,6 @@ def mark_times(axes: Axes, solution: Solution) -> None:
             f"{term.label} acts",
             (start, 0.035),
             xycoords=("data", "axes fraction"),
-            fontsize="x-small",
             color=colour,
         )
     for event in solution.events:
@@ -137,7 +133,6 @@ def mark_times(axes: Axes, solution: Solution) -> None:
             rotation=90,
             va="top",
             ha="right",
-            fontsize="x-small",
             color=FAINT,
         )
 
@@ -171,7 +166,6 @@ def shapes(solution: Solution) -> Figure:
         places = far * np.arange(len(t))
         centres = solution.centre_of_gravity[samples]
         every = every - (centres - np.stack((places, 0 * places), -1))[:, None]
-        axes.set_xticks(places, [f"{time:.3g}" for time in t], fontsize="small")
     colours = ScalarMappable(Normalize(t[0], max(t[-1], 1e-300)), ALONG)
     for time, joints in zip(t, every, strict=True):
         colour = colours.to_rgba(time)
@@ -179,10 +173,17 @@ def shapes(solution: Solution) -> Figure:
         draw_marks(axes, scene, joints, colour, anchors=not apart)
     across = "shapes side by side, in the scale of y, at t [s]" if apart else "x [m]"
     up = "y from the centre of gravity [m]" if apart else "y [m]"
-    axes.set(xlabel=f"{across}\n{describe_marks(scene, anchors=not apart)}", ylabel=up)
-    axes.set_title(f"{scene.name}: shape{_describe_times(t, solution.t)}")
+    axes.set(xlabel=across)
+    add_remark(axes, describe_marks(scene, anchors=not apart))
+    set_title(figure, f"{scene.name}: shapes")
+    if len(t) > 1:
+        add_remark(axes, _describe_times(t, solution.t))
     fixed = [] if apart else [(tie.x, tie.y) for tie in scene.anchors.support_points]
     set_limits(axes, np.concatenate((every.reshape(-1, 2), np.reshape(fixed, (-1, 2)))))
+    label_ordinate(axes, up)
+    if apart:  # as many times as there is room for
+        some = slice(None, None, -(-len(t) // int(3 * width_of(figure))))
+        axes.set_xticks(places[some], [f"{time:.3g}" for time in t[some]])
     # A bar beside the axes would be higher than those of a flat rod.
     figure.colorbar(colours, cax=axes.inset_axes((1.03, 0.0, 0.03, 1.0)), label="t [s]")
     return figure
@@ -219,8 +220,6 @@ def _interpolation_error(way: Array, samples: NDArray[np.int_]) -> float:
 
 def _describe_times(t: Array, every: Array) -> str:
     """Describe the time between shapes, and the part of the run that they are of."""
-    if len(t) < 2:
-        return ""
     whole = t[0] == every[0] and t[-1] == every[-1]
-    part = "" if whole else f" from {t[0]:.4g} to {t[-1]:.4g} s"
-    return f"{part}, every {(t[-1] - t[0]) / (len(t) - 1):.3g} s"
+    part = "" if whole else f"from {t[0]:.4g} to {t[-1]:.4g} s, "
+    return f"{part}every {(t[-1] - t[0]) / (len(t) - 1):.3g} s"

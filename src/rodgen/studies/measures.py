@@ -13,6 +13,7 @@ from rodgen.errors import AnalysisError
 from rodgen.integrate.quantity_formulas import MotionSlice
 from rodgen.integrate.reductions import Crossing, CrossingResults, Numbers, Reduction
 from rodgen.integrate.stepper import FINISHED
+from rodgen.model.quantities import describe_number
 from rodgen.studies.point_arrays import StudyVariable
 
 if TYPE_CHECKING:
@@ -24,6 +25,16 @@ if TYPE_CHECKING:
 
 MOST_POINTS = 1000  # of a section, where no other number is given
 EVERY = -math.inf, math.inf
+# Of reductions, for labels.
+WORDS = {
+    "last": "{} at the end",
+    "min": "least {}",
+    "max": "largest {}",
+    "mean": "mean of {}",
+    "rms": "rms of {}",
+    "std": "standard deviation of {}",
+    "time_of_max": "time of the largest {}",
+}
 
 
 def event_crossing(event: EventTable) -> Crossing:
@@ -48,7 +59,18 @@ class RunMeasure:
     @property
     def variables(self) -> tuple[StudyVariable, ...]:
         """The variables that it fills."""
-        return (StudyVariable(self.text, units=self.units),)
+        return (StudyVariable(self.text, units=self.units, words=self.words),)
+
+    @property
+    def words(self) -> str:
+        """Description of it, "" where its text says all."""
+        return ""
+
+    def _within(self, words: str) -> str:
+        """Add to a description between what times it is computed."""
+        times = [f"from {self.start:g} s"] * (self.start > EVERY[0])
+        times += [f"to {self.end:g} s"] * (self.end < EVERY[1])
+        return " ".join((words, *times))
 
     def compute(self, solution: Solution, places: Numbers) -> dict[str, Any]:
         """Compute it for one run, by the names of its variables."""
@@ -60,6 +82,14 @@ class SampleReduction(RunMeasure):
     """A reduction of the samples of a run."""
 
     reduction: Reduction = field(kw_only=True)
+
+    @property
+    def words(self) -> str:
+        """Description of it."""
+        reduction, shown = self.reduction, describe_number(self.number)
+        return replace(self, start=reduction.start, end=reduction.end)._within(
+            WORDS[reduction.kind].format(shown)
+        )
 
     def compute(self, solution: Solution, places: Numbers) -> dict[str, Any]:
         """Compute it for one run, by the names of its variables."""
@@ -75,7 +105,8 @@ class EventCount(RunMeasure):
     @property
     def variables(self) -> tuple[StudyVariable, ...]:
         """The variable of the count, -1 where there was no run."""
-        return (StudyVariable(self.text, dtype="i8", fill=-1),)
+        words = self._within(f"times of {self.event}")
+        return (StudyVariable(self.text, dtype="i8", fill=-1, words=words),)
 
     def compute(self, solution: Solution, places: Numbers) -> dict[str, Any]:
         """Compute it for one run, by the names of its variables."""
@@ -106,12 +137,18 @@ class CrossingSection(RunMeasure):
     dim: str = "crossing"
 
     @property
+    def words(self) -> str:
+        """Description of the values."""
+        where = f"where {describe_number(self.where)} crosses {self.level:g}"
+        return self._within(f"{describe_number(self.number)} {where}")
+
+    @property
     def variables(self) -> tuple[StudyVariable, ...]:
         """The variables of the values and of the times."""
         beyond = (self.dim,), (self.max_points,)
         return (
-            StudyVariable(self.text, *beyond, units=self.units),
-            StudyVariable(f"{self.text}.t", *beyond, units="s"),
+            StudyVariable(self.text, *beyond, units=self.units, words=self.words),
+            StudyVariable(f"{self.text}.t", *beyond, units="s", words="time of the crossing"),
         )
 
     @property
@@ -161,11 +198,18 @@ class SpectralPeak(RunMeasure):
     """The highest peak in the spectrum of a number between two times [s]."""
 
     @property
+    def words(self) -> str:
+        """Description of the peak."""
+        return self._within(f"of the highest peak of {describe_number(self.number)}")
+
+    @property
     def variables(self) -> tuple[StudyVariable, ...]:
         """The variables of its frequency and its amplitude."""
         return (
-            StudyVariable(f"{self.text}.frequency", units="Hz"),
-            StudyVariable(f"{self.text}.amplitude", units=self.units),
+            StudyVariable(f"{self.text}.frequency", units="Hz", words=f"frequency {self.words}"),
+            StudyVariable(
+                f"{self.text}.amplitude", units=self.units, words=f"amplitude {self.words}"
+            ),
         )
 
     def compute(self, solution: Solution, places: Numbers) -> dict[str, Any]:

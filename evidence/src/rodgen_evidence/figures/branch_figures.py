@@ -13,6 +13,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 import rodgen
+from rodgen.model.terms import axis_label
 from rodgen.show.branch_pictures import bifurcation_diagram, boundary_curve
 from rodgen_evidence.figures.model_figures import STYLE
 from rodgen_evidence.figures.rocket_figures import sheet
@@ -85,11 +86,11 @@ def umbrella(scenes: Path) -> Figure:
     axes.set(
         xlim=(0, 1.0),
         ylim=(0, 3.5),
-        xlabel=INTERNAL,
-        ylabel=EXTERNAL,
+        xlabel=axis_label(INTERNAL),
+        ylabel=axis_label(EXTERNAL),
         title=f"without damping flutter begins at {onset:.2f} N",
     )
-    axes.legend(fontsize="small", ncols=2)
+    axes.legend(ncols=2)
     return figure
 
 

@@ -61,12 +61,12 @@ def tip_mass(scenes: Path) -> Figure:
     """Branches of cycles, and the share of the force that they need beyond flutter, against
     external damping and against the moment of inertia."""
     scene = rodgen.Scene.from_toml(scenes / "tip_mass.toml")
-    figure, (cycles, damped, turning) = sheet(9.6, 3)
+    figure, (cycles, damped, turning) = sheet(8.4, 3)
     for damping, ends, colour in ((LITTLE, (8.0, 20.0), GUIDE), (MUCH, (30.0, 45.0), FORCE)):
         branch = rodgen.continue_cycles(scene.replace({DAMPING: damping}), KEY, ends)
         _branch(cycles, branch, f"c = {damping:g}", colour)
     cycles.set(xlabel="thrust $P L^2/EI$", ylabel="amplitude of the angles [rad]")
-    cycles.legend(fontsize="small")
+    cycles.legend()
     for c, tau, colour in ((1.0, 0.001, GUIDE), (MUCH, 0.01, FORCE)):
         of_inertia = partial(_numbers, external=c, internal=tau)
         _turns(turning, scene, INERTIA, of_inertia, colour, f"c = {c:g}")
@@ -78,7 +78,7 @@ def tip_mass(scenes: Path) -> Figure:
     for axes in (damped, turning):
         axes.axhline(0.0, color="black", linewidth=0.8)
         axes.set(xscale="log", ylim=SHARES)
-    turning.legend(fontsize="x-small", loc="lower left")
+    turning.legend(loc="lower left")
     return figure
 
 

@@ -16,6 +16,7 @@ from matplotlib.figure import Figure
 
 from rodgen.loading import build
 from rodgen.scene.structure import Structure
+from rodgen.show.style import style
 from rodgen_evidence.figures.model_parts import (
     FONT,
     FORCE,
@@ -112,7 +113,7 @@ def _curves(axes: Axes, loading: CompressedRod, share: np.ndarray, count: int) -
     axes.axvline(critical, color=GUIDE, linewidth=0.9, linestyle=":")
 
 
-STYLE: Any = {
+STYLE: Any = style | {
     "font.family": "DejaVu Sans",
     "mathtext.fontset": "dejavuserif",
     "svg.fonttype": "path",  # looks alike without our fonts

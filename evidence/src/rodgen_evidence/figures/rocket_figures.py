@@ -77,7 +77,7 @@ def modes(scene: rodgen.Scene) -> Figure:
 def gust(scene: rodgen.Scene) -> Figure:
     """Angle of the gyro, angle of the gimbal, and the bending moment in the middle."""
     sol = rodgen.simulate(scene)
-    figure, panels = sheet(9.0, 3)
+    figure, panels = sheet(7.4, 3)
     data = sol.to_xarray()
     gyro = int(0.3 * scene.rod.links)
     lines = {

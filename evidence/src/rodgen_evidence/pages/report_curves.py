@@ -13,11 +13,10 @@ from pandas import DataFrame
 
 from rodgen.analyse.precision.contestant import Measurement
 from rodgen.analyse.precision.rows import format_label, format_setting, has_result, read_number
-from rodgen.show.canvas import INK, SERIES, figure_without_window
+from rodgen.show.canvas import INK, SERIES, add_legend, figure_without_window
 from rodgen.show.precision_pictures import (
     MEASURES,
     OURS,
-    add_legend,
     draw_front,
     draw_lines,
     drawable_rows,
@@ -99,9 +98,10 @@ def growth(rows: Sequence[Measurement]) -> Figure | None:
         fitted = growth_line(row)
         if fitted:
             name = f"exp({read_number(row, 'rate'):.3g} t)"
-            frame.plot(*fitted, "--", color=INK, linewidth=1.0, zorder=4, label=name)
+            frame.plot(*fitted, color=INK, linewidth=0.6, zorder=4, label=name)
     label_logarithmic(frame, x=False)
-    return add_legend(figure, 2)
+    add_legend(figure)
+    return figure
 
 
 def against_n(rows: DataFrame) -> Figure | None:
@@ -115,7 +115,8 @@ def against_n(rows: DataFrame) -> Figure | None:
         line = shown[shown["who"] == name]
         frame.plot(line["n"], line["seconds"], label=name, **_look_of_who(name))
     label_logarithmic(frame)
-    return add_legend(figure, 2)
+    add_legend(figure)
+    return figure
 
 
 def savings(ratios: DataFrame) -> Figure | None:
@@ -127,11 +128,12 @@ def savings(ratios: DataFrame) -> Figure | None:
     for at, (key, name) in enumerate(SAVED.items()):
         places = np.arange(len(ratios)) + (at - (len(SAVED) - 1) / 2) * thick
         frame.barh(places, ratios[key].fillna(0.0), thick * 0.9, color=SERIES[at], label=name)
-    frame.set_yticks(range(len(ratios)), list(ratios.index), fontsize=8)
+    frame.set_yticks(range(len(ratios)), list(ratios.index))
     frame.axvline(1, color=INK, linewidth=0.8)
     frame.invert_yaxis()
     frame.grid(visible=False, axis="y")
-    return add_legend(figure)
+    add_legend(figure)
+    return figure
 
 
 def largest_steps(rows: DataFrame) -> Figure | None:
@@ -150,7 +152,8 @@ def largest_steps(rows: DataFrame) -> Figure | None:
         theory = line["theory"].replace(0.0, math.nan)
         frame.plot(line["n"], theory, "-", color=colour, linewidth=1.0, alpha=0.8)
     label_logarithmic(frame)
-    return add_legend(figure, 2)
+    add_legend(figure)
+    return figure
 
 
 def fixed_steps(contents: Contents) -> dict[str, list[Measurement]]:
@@ -179,7 +182,8 @@ def orders(contents: Contents) -> Figure | None:
         steps, errors = zip(*shown, strict=True) if shown else ((), ())
         frame.plot(steps, errors, label=found, **line_style(some[0]))
     label_logarithmic(frame)
-    return add_legend(figure, 1)
+    add_legend(figure)
+    return figure
 
 
 def extremes(rows: DataFrame) -> Figure | None:
@@ -205,7 +209,8 @@ def extremes(rows: DataFrame) -> Figure | None:
     frame.tick_params(length=0)
     for name, colour in COLOURS.items():
         frame.fill_between([], [], [], color=colour, label=name)
-    return add_legend(figure, 6)
+    add_legend(figure)
+    return figure
 
 
 def _look_of_who(name: str) -> dict[str, Any]:

@@ -18,6 +18,7 @@ from rodgen.analyse.precision.rows import format_short, has_result, read_number,
 from rodgen.loading.cache import write_whole
 from rodgen.progress import format_duration
 from rodgen.show.precision_pictures import work_precision
+from rodgen.show.style import style
 from rodgen_evidence.pages import report_curves as curves
 from rodgen_evidence.pages.report_matrix import legend
 from rodgen_evidence.pages.report_page import read_report
@@ -232,10 +233,10 @@ def save_guide_figures(report_json: Path, folder: Path) -> list[Path]:
     """Write which_*.svg into a folder that exists, of what the report has; returns the files."""
     contents, _ = read_report(report_json)
     files = []
-    for name, draw in PICTURES.items():
-        if figure := draw(contents):
-            files.append(folder / f"which_{name}.svg")
-            with rc_context({"svg.hashsalt": "rodgen"}):
+    with rc_context(style | {"svg.hashsalt": "rodgen"}):
+        for name, draw in PICTURES.items():
+            if figure := draw(contents):
+                files.append(folder / f"which_{name}.svg")
                 figure.savefig(files[-1], metadata={"Date": None})
     return files
 

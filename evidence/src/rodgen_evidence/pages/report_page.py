@@ -9,11 +9,13 @@ from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
+from matplotlib import rc_context
 from pandas import DataFrame
 
 from rodgen.analyse.precision.contestant import Measurement
 from rodgen.analyse.precision.rows import format_short
 from rodgen.loading.cache import write_whole
+from rodgen.show.style import style
 from rodgen_evidence.page_tables import Column, table, words
 from rodgen_evidence.pages.folder import PAGE, Pictures, put_whole, render
 from rodgen_evidence.pages.report_parts import parts, scene_part
@@ -43,7 +45,7 @@ def write_report(folder: Path, contents: Contents, made: Mapping[str, Any]) -> P
     contents: results by section; made: with what, for the end of the page. Everything is made
     before anything is put into the folder, and the page comes last. Returns the page.
     """
-    with put_whole(folder) as making:
+    with put_whole(folder) as making, rc_context(style):
         write_whole(making / DATA, json_text(contents, made))
         for section, measured in contents.items():
             write_whole(making / csv_name(section), csv_text(measured))

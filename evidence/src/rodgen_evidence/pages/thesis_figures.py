@@ -9,15 +9,15 @@ from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
+from rodgen.show.canvas import add_legend, make_axes
+from rodgen.show.picture_files import save_figures as write_figures
 from rodgen_evidence.thesis import data, scenes
 from rodgen_evidence.thesis.largest_steps import NAMES
 from rodgen_evidence.thesis.percentages import beck
 from rodgen_evidence.thesis.table import ThesisTable
 
-DOTS_PER_INCH = 150
 # What is printed: hollow black marks. What is ours: coloured lines and dots.
 PRINTED: dict[str, Any] = {
     "color": "black",
@@ -33,39 +33,36 @@ Draw = Callable[[Axes, Tables], object]
 
 
 class Picture:
-    """below: the table under which it stands; columns: of its legend; parts: drawn in turn."""
+    """below: the table under which it stands; parts: drawn in turn."""
 
     def __init__(
         self,
         below: str,
         caption: str,
         y: str,
-        columns: int,
         *parts: Draw,
         x: str = "links",
         scale: str = "linear",
     ):
-        self.below, self.caption, self.columns, self.parts = below, caption, columns, parts
+        self.below, self.caption, self.parts = below, caption, parts
         self.axes = {"xlabel": x, "ylabel": y, "yscale": scale}
 
 
 def save_figures(tables: Tables, folder: Path) -> dict[str, str]:
     """Write figure_3_1.png and so on into a folder that exists; their names by number."""
-    names = {}
-    for number, picture in FIGURES.items():
-        figure = Figure(figsize=(6.4, 4.2), layout="constrained")
-        FigureCanvasAgg(figure)
-        axes = figure.add_subplot()
-        axes.grid(alpha=0.3)
-        axes.set(**picture.axes)
-        for draw in picture.parts:
-            draw(axes, tables)
-        figure.legend(
-            loc="outside lower center", ncols=picture.columns, fontsize="small", frameon=False
-        )
-        names[number] = f"figure_{number.replace('.', '_')}.png"
-        figure.savefig(folder / names[number], dpi=DOTS_PER_INCH)
-    return names
+    found = {number: f"figure_{number.replace('.', '_')}" for number in FIGURES}
+    drawn = ((found[number], _draw(picture, tables)) for number, picture in FIGURES.items())
+    files = write_figures(drawn, folder)
+    return {number: file.name for number, file in zip(found, files, strict=True)}
+
+
+def _draw(picture: Picture, tables: Tables) -> Figure:
+    figure, (axes,) = make_axes(6.4, 4.2)
+    axes.set(**picture.axes)
+    for draw in picture.parts:
+        draw(axes, tables)
+    add_legend(figure)
+    return figure
 
 
 def line(number: str, key: str, mark: str, label: str, **look: Any) -> Draw:
@@ -126,7 +123,7 @@ def near_the_continuum(axes: Axes, tables: Tables) -> None:
 FIGURES = {
     "3.1": Picture(
         *("3.2", "the first frequency of the free rod against the number of links"),
-        *("first frequency of the free rod [Hz]", 3),
+        *("first frequency of the free rod [Hz]"),
         line("3.2", "thesis", "o", "thesis", **PRINTED),
         line("3.2", "simulated", ".", "ours, simulated", color="tab:red", ms=9),
         ours("3.2", "discrete", "-", "discrete model", "blue"),
@@ -134,17 +131,17 @@ FIGURES = {
         continuum("3.2"),
     ),
     "3.2": Picture(
-        *("3.2", "run time against the number of links", "run time of 50 s [s]", 2),
+        *("3.2", "run time against the number of links", "run time of 50 s [s]"),
         line("3.2", "thesis_seconds", "o", "thesis, Java", **PRINTED),
         ours("3.2", "seconds", "o-", "ours, C", "blue"),
         scale="log",
     ),
     "3.3": Picture(
-        *("3.3", "the cantilever under its own weight", "y [m], magnified", 2, own_weight),
+        *("3.3", "the cantilever under its own weight", "y [m], magnified", own_weight),
         x="x [m]",
     ),
     "3.4": Picture(
-        *("3.5", "the critical force of the free rod", "critical force of the free rod [N]", 3),
+        *("3.5", "the critical force of the free rod", "critical force of the free rod [N]"),
         line("3.4", "thesis", "o", "thesis, special model", **PRINTED),
         line("3.5", "thesis", "^", "thesis, FyDiK", **PRINTED),
         ours("3.4", "discrete", "-", "discrete model", "blue"),
@@ -154,7 +151,7 @@ FIGURES = {
         near_the_continuum,
     ),
     "3.5": Picture(
-        *("3.5", "run times of the special and the general model", "run time of 200 s [s]", 3),
+        *("3.5", "run times of the special and the general model", "run time of 200 s [s]"),
         line("3.4", "thesis_seconds", "o", "thesis, special", **PRINTED),
         line("3.5", "thesis_seconds", "^", "thesis, FyDiK", **PRINTED),
         ours("3.5", "seconds", "o-", "mass-spring, NumPy", "orange"),
@@ -163,7 +160,7 @@ FIGURES = {
         scale="log",
     ),
     "3.6": Picture(
-        *("3.6", "the critical force of the cantilever", "critical force of the cantilever [N]", 3),
+        *("3.6", "the critical force of the cantilever", "critical force of the cantilever [N]"),
         line("3.6", "thesis", "o", "thesis, simulated", **PRINTED),
         line("3.6", "thesis_analytical", "s", "thesis, (3.4)", **PRINTED),
         ours("3.6", "discrete", "-", "discrete model", "blue"),
@@ -171,12 +168,12 @@ FIGURES = {
         level(lambda _: beck(inf), "continuum, length L"),
     ),
     "4.1": Picture(
-        *("4.1", "the largest stable steps", "largest stable step [s]", 2),
+        *("4.1", "the largest stable steps", "largest stable step [s]"),
         *by_method("4.1", "limit", "theory"),
         scale="log",
     ),
     "4.2": Picture(
-        *("4.2", "run times at these steps", "run time [s] (ours: of 200 s)", 2),
+        *("4.2", "run times at these steps", "run time [s] (ours: of 200 s)"),
         *by_method("4.2", "c", "ours in C"),
         scale="log",
     ),

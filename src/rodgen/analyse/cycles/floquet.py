@@ -89,7 +89,7 @@ class Floquet(Result, Plottable):
     ROWS = (
         Row("period", "period", "s", ".12g", kept=ASKED),
         Row("modulus", "largest multiplier", text=lambda found: found._largest, kept=USUAL),
-        Row("argument", "its angle", "rad", text=omit_from_tables, kept=ASKED),
+        Row("argument", "angle of the multiplier", "rad", text=omit_from_tables, kept=ASKED),
         Row("growth", "growth", "1/s", ".6g", kept=USUAL),
         Row(
             "moduli",

@@ -24,7 +24,19 @@ from rodgen.show.animation.film_files import check_file, find_ffmpeg, open_write
 from rodgen.show.animation.frame_times import FilmSettings, FramePlan, plan_frames
 from rodgen.show.animation.motion import MotionSamples, choose_camera, ground_grid, sample_motion
 from rodgen.show.animation.stage import GRID, LoadArrows, Stage
-from rodgen.show.canvas import BED, BODY, CENTRE, EDGE, FIXED, INK, MOMENTS, PAPER, TAIL, start_name
+from rodgen.show.canvas import (
+    BED,
+    BODY,
+    CENTRE,
+    EDGE,
+    FIXED,
+    INK,
+    MOMENTS,
+    PAPER,
+    TAIL,
+    moment_norm,
+)
+from rodgen.show.marks import start_name
 
 LARGEST = 1e15  # of any state: beyond, a double has no digits left for the shape
 PALETTE = 8  # frames from which a GIF has its colours
@@ -191,7 +203,7 @@ class FrameRenderer:
         # Behind a rod that is pale where it is not bent.
         self._edge = stage.add_line(EDGE, linewidth=ROD + EDGES, solid_capstyle="round")
         self._rod = stage.add_lines(
-            linewidth=ROD, capstyle="round", cmap=MOMENTS, clim=(-limit, limit)
+            linewidth=ROD, capstyle="round", cmap=MOMENTS, norm=moment_norm(limit)
         )
         self._rod.set_snap(False)  # to whole pixels, in which a bent rod has steps
         # Views of one array are drawn: new paths in every frame would take most of its time.

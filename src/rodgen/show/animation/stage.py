@@ -10,7 +10,6 @@ import numpy as np
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.cm import ScalarMappable
 from matplotlib.collections import LineCollection
-from matplotlib.colors import Normalize
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.quiver import Quiver
@@ -23,7 +22,7 @@ from rodgen.model.terms import TERMS
 from rodgen.scene import Scene
 from rodgen.show.animation.frame_times import FilmSettings
 from rodgen.show.animation.motion import Camera, MotionSamples
-from rodgen.show.canvas import BODY, CENTRE, GUIDE, INK, MOMENTS, PAPER, TAIL
+from rodgen.show.canvas import BODY, CENTRE, GUIDE, INK, MOMENTS, PAPER, TAIL, moment_norm
 
 GRID: dict[str, Any] = {"color": GUIDE, "alpha": 0.45, "linewidth": 0.7}
 DOTS_PER_INCH = 100.0  # of a film of 1280 x 720; letters grow with the film
@@ -46,12 +45,15 @@ class Stage:
         self.zoom = max(min(width / 1280, height / 720), SMALLEST_LETTERS)
         dots = DOTS_PER_INCH * self.zoom
         # A little more than the pixels, as matplotlib cuts off what is left of a pixel.
-        self.figure = Figure(figsize=((width + 0.01) / dots, (height + 0.01) / dots), dpi=dots)
+        size = (width + 0.01) / dots, (height + 0.01) / dots
+        self.figure = Figure(figsize=size, dpi=dots)
+        self.figure.set_layout_engine("none")  # whatever the style in use
         self.canvas: Any = FigureCanvasAgg(self.figure)  # matplotlib's has no types
         left, right, below, above = (inches * dots for inches in MARGINS)
         self.size = width - left - right, height - below - above  # of the axes, in pixels
         self._place = left / width, below / height, self.size[0] / width, self.size[1] / height
         self.axes = self.figure.add_axes(self._place)
+        self.axes.grid(visible=False)
 
     @property
     def aspect(self) -> float:
@@ -93,7 +95,7 @@ class Stage:
 
     def add_colours(self, label: str, limit: float, largest: float) -> None:
         """Add the colour bar; limit: value at its ends; largest: value that occurs."""
-        colours = ScalarMappable(Normalize(-limit, limit), MOMENTS)
+        colours = ScalarMappable(moment_norm(limit), MOMENTS)
         (right, low), height = self.panel_corner, self._place[3]
         place = right, low + 0.45 * height, 0.16 / self.figure.get_figwidth(), 0.55 * height
         beyond = "both" if largest > 1.001 * limit else "neither"

@@ -1,0 +1,92 @@
+"""Marks of pictures and what they are called: the start of a rod, its bodies and supports, special
+points of curves, and lines of what is stable and what is not.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Collection
+from itertools import pairwise
+from typing import Any, Literal
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.lines import Line2D
+
+from rodgen.arrays import Array
+from rodgen.scene import Scene
+from rodgen.show.canvas import BED, CURVE, FIXED, LINE
+
+# Special points of curves: marks, and what they are called.
+MARKS = {
+    "hopf": ("o", "Hopf point"),
+    "fold": ("D", "fold"),
+    "branch": ("s", "branch point"),
+    "period doubling": ("^", "period doubling"),
+    "torus": ("v", "torus"),
+}
+# Lines of what is stable, unstable, or of which neither is known: their styles and names.
+LineStyle = Literal["-", "--", ":"]
+STABILITY: dict[int, tuple[LineStyle, str]] = {
+    0: ("-", "stable"),
+    1: ("--", "unstable"),
+    -1: (":", "stability not known"),
+}
+DISC = 16.0  # points across: of a body that is the whole mass
+
+
+def mark_of(kind: str) -> tuple[str, str]:
+    """Return the mark and the name of a kind of special point."""
+    return MARKS.get(kind, ("x", kind))
+
+
+def draw_by_stability(axes: Axes, x: Array, y: Array, kinds: Array) -> None:
+    """Draw a curve (points,), each of its pieces (points - 1,) in the style that its kind has in
+    STABILITY."""
+    changes = np.flatnonzero(np.diff(kinds)) + 1
+    for first, last in pairwise(np.unique([0, *changes, len(kinds)])):
+        part = slice(first, last + 1)
+        axes.plot(x[part], y[part], STABILITY[kinds[first]][0], color=CURVE, linewidth=LINE)
+
+
+def stability_legend(kinds: Collection[int], colour: str) -> list[Line2D]:
+    """Return entries of a legend for those kinds of STABILITY that occur."""
+    return [
+        Line2D([], [], linestyle=style, color=colour, label=words)
+        for kind, (style, words) in STABILITY.items()
+        if kind in kinds
+    ]
+
+
+def draw_marks(axes: Axes, scene: Scene, joints: Array, colour: Any, anchors: bool = True) -> None:
+    """Draw the start of a rod with joints at (n+1, 2), its bodies as discs, their areas by their
+    masses, and on request its supports as dotted lines to triangles at their fixed points, its
+    foundation as a broad line."""
+    mark, size = ("s", 4.5) if scene.boundary_condition.is_clamped else ("o", 3.5)
+    axes.plot(*joints[0], mark, color=colour, markersize=size)
+    for body in scene.distribution.body_outlines:
+        how = {"color": colour, "alpha": 0.6, "markersize": DISC * body.size}
+        axes.plot(*body.positions(joints), "o", **how)
+    if not anchors:
+        return
+    axes.plot(*scene.anchors.foundation_line.T, "-", color=BED, linewidth=6 * LINE, zorder=0)
+    for tie in scene.anchors.support_points:
+        axes.plot(*tie.segment(joints).T, ":", color=colour, linewidth=LINE)
+        axes.plot(tie.x, tie.y, "^", color=FIXED, markersize=7)
+
+
+def describe_marks(scene: Scene, anchors: bool = True) -> str:
+    """Explain the marks that are drawn of a scene."""
+    start = start_name(scene)
+    words = [f"square: clamped {start}" if scene.boundary_condition.is_clamped else f"dot: {start}"]
+    if scene.bodies:
+        words.append("discs: bodies, by mass")
+    if anchors and scene.anchors.support_points:
+        words.append("triangle: where a support is fixed")
+    if anchors and len(scene.anchors.foundation_line):
+        words.append("broad line: foundation")
+    return "; ".join(words)
+
+
+def start_name(scene: Scene) -> str:
+    """Return the name of joint 0: "nose" or "root"."""
+    return "nose" if scene.boundary_condition.start_drawing == "none" else "root"
