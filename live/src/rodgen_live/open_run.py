@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import math
 import time
+from functools import lru_cache
 from types import ModuleType
 from typing import Any
 
 import numpy as np
-from threadpoolctl import threadpool_limits
+from threadpoolctl import ThreadpoolController
 
 from rodgen.arrays import Array
 from rodgen.errors import InputError
@@ -145,7 +146,7 @@ class Live(LiveSteps):
         t, y, _ = self._point_of_change()
         after = y.copy()
         # On one thread: others would be waited for longer than they help.
-        with np.errstate(all="ignore"), threadpool_limits(1, user_api="blas"):
+        with np.errstate(all="ignore"), _threads().limit(limits=1, user_api="blas"):
             M = call_module(self.model, "mass_matrix", t, y, self.p)
             pushed = self.model.generalised_force(y, self.p, link, share, force)
             try:
@@ -280,3 +281,8 @@ def _check_period(every: float) -> float:
     if not (isinstance(every, int | float) and math.isfinite(every) and every > 0):
         raise InputError("every", every, "a positive number of seconds")
     return float(every)
+
+
+@lru_cache(maxsize=1)
+def _threads() -> ThreadpoolController:
+    return ThreadpoolController()
