@@ -114,6 +114,7 @@ def _curves(axes: Axes, loading: CompressedRod, share: np.ndarray, count: int) -
 
 
 STYLE: Any = style | {
+    "figure.constrained_layout.use": False,  # drawings have places of their own
     "font.family": "DejaVu Sans",
     "mathtext.fontset": "dejavuserif",
     "svg.fonttype": "path",  # looks alike without our fonts

@@ -45,7 +45,8 @@ def write_report(folder: Path, contents: Contents, made: Mapping[str, Any]) -> P
     contents: results by section; made: with what, for the end of the page. Everything is made
     before anything is put into the folder, and the page comes last. Returns the page.
     """
-    with put_whole(folder) as making, rc_context(style):
+    # Small diagrams have places of their own.
+    with put_whole(folder) as making, rc_context(style | {"figure.constrained_layout.use": False}):
         write_whole(making / DATA, json_text(contents, made))
         for section, measured in contents.items():
             write_whole(making / csv_name(section), csv_text(measured))

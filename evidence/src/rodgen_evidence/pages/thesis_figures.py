@@ -123,7 +123,7 @@ def near_the_continuum(axes: Axes, tables: Tables) -> None:
 FIGURES = {
     "3.1": Picture(
         *("3.2", "the first frequency of the free rod against the number of links"),
-        *("first frequency of the free rod [Hz]"),
+        "first frequency of the free rod [Hz]",
         line("3.2", "thesis", "o", "thesis", **PRINTED),
         line("3.2", "simulated", ".", "ours, simulated", color="tab:red", ms=9),
         ours("3.2", "discrete", "-", "discrete model", "blue"),
