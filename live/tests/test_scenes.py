@@ -5,6 +5,7 @@ from __future__ import annotations
 import base64
 import json
 import pickle
+import re
 import zlib
 from collections.abc import Iterator, Mapping
 from dataclasses import replace
@@ -24,7 +25,7 @@ from rodgen.model.terms import TERMS
 from rodgen.scene import Scene
 from rodgen.system import System
 from rodgen_live.page.pulls import usual_spring
-from rodgen_live.page.sketch import HIGH, WIDE, joints_at_start, sketch
+from rodgen_live.page.thumbnail import SIZE, joints_at_start, thumbnail
 from rodgen_live.run.link import Link, apply_link, make_link
 from rodgen_live.run.live_run import LiveRun
 from rodgen_live.run.scene_edits import (
@@ -239,13 +240,16 @@ def test_scenes_of_the_package_can_be_edited_packed_and_drawn(path: Path) -> Non
     text = Link(scene).pack()
     assert (text.isascii(), text.replace("-", "").replace("_", "").isalnum()) == (True, True)
     assert Link.unpack(text) == Link(scene)
-    root = ElementTree.fromstring(sketch(scene))
-    shapes = " ".join(shape.get("points", "") for shape in root.iter()).replace(",", " ")
-    points = np.reshape(shapes.split(), (-1, 2)).astype(float)
-    assert np.all((points > -1) & (points < (WIDE + 1, HIGH + 1)))
-    arrows = root.iter("{http://www.w3.org/2000/svg}polygon")
+    root = ElementTree.fromstring(thumbnail(scene))
+    for marks in root.iter("{http://www.w3.org/2000/svg}defs"):
+        marks.clear()  # they have places of their own
+    shapes = " ".join(shape.get("d", "") for shape in root.iter())
+    points = np.reshape(re.findall(r"-?\d[\d.]*", shapes), (-1, 2)).astype(float)
+    assert np.all((points > -1) & (points < SIZE + 1))
+    styles = " ".join(shape.get("style", "") for shape in root.iter())
     forces = [TERMS[name] for name in scene.loads.terms if not TERMS[name].is_damping]
-    assert {shape.get("fill") for shape in arrows} == {term.colours[0] for term in forces}
+    every = {term.colours[0] for term in TERMS.values()}
+    assert {one for one in every if one in styles} == {term.colours[0] for term in forces}
 
 
 def test_fin_factors_can_be_moved_and_nonsense_leaves_a_scene_as_it_was() -> None:

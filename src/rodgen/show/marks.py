@@ -31,6 +31,12 @@ STABILITY: dict[int, tuple[LineStyle, str]] = {
     1: ("--", "unstable"),
     -1: (":", "stability not known"),
 }
+# Marks of the start of a rod, their sizes in points and what they say, by what holds it.
+STARTS = {
+    "wall": ("s", 4.5, "square: clamped "),
+    "pin": ("^", 5.5, "triangle: pinned "),
+    "none": ("o", 3.5, "dot: "),
+}
 DISC = 16.0  # points across: of a body that is the whole mass
 
 
@@ -61,7 +67,7 @@ def draw_marks(axes: Axes, scene: Scene, joints: Array, colour: Any, anchors: bo
     """Draw the start of a rod with joints at (n+1, 2), its bodies as discs, their areas by their
     masses, and on request its supports as dotted lines to triangles at their fixed points, its
     foundation as a broad line."""
-    mark, size = ("s", 4.5) if scene.boundary_condition.is_clamped else ("o", 3.5)
+    mark, size, _ = STARTS[scene.boundary_condition.start_drawing]
     axes.plot(*joints[0], mark, color=colour, markersize=size)
     for body in scene.distribution.body_outlines:
         how = {"color": colour, "alpha": 0.6, "markersize": DISC * body.size}
@@ -76,8 +82,7 @@ def draw_marks(axes: Axes, scene: Scene, joints: Array, colour: Any, anchors: bo
 
 def describe_marks(scene: Scene, anchors: bool = True) -> str:
     """Explain the marks that are drawn of a scene."""
-    start = start_name(scene)
-    words = [f"square: clamped {start}" if scene.boundary_condition.is_clamped else f"dot: {start}"]
+    words = [STARTS[scene.boundary_condition.start_drawing][-1] + start_name(scene)]
     if scene.bodies:
         words.append("discs: bodies, by mass")
     if anchors and scene.anchors.support_points:

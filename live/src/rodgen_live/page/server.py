@@ -28,8 +28,8 @@ from rodgen_live.page.elements import ICONS, STATIC, icon_font
 from rodgen_live.page.module_builder import ModuleBuilder
 from rodgen_live.page.page import ADDRESS, Page
 from rodgen_live.page.sessions import Sessions
-from rodgen_live.page.sketch import sketch
-from rodgen_live.page.toolbar import SKETCH
+from rodgen_live.page.thumbnail import thumbnail
+from rodgen_live.page.toolbar import THUMBNAILS
 from rodgen_live.page.unreadable_messages import UnreadableFilter
 from rodgen_live.run.live_run import LiveRun
 from rodgen_live.run.run_thread import from_threads
@@ -89,10 +89,10 @@ def _build_site(settings: ServerSettings, modules: ModuleBuilder) -> FastAPI:
         first = settings.scene, settings.text
         await Page(sessions, modules, folder, *first, settings.moves).show(scene)
 
-    @site.get(SKETCH + "{name}")
+    @site.get(THUMBNAILS + "{name}")
     def _(name: str) -> Response:
         try:
-            return Response(sketch(folder.scene(name)), media_type="image/svg+xml")
+            return Response(thumbnail(folder.scene(name)), media_type="image/svg+xml")
         except InputError as error:
             return Response(str(error), 404, media_type="text/plain")
 

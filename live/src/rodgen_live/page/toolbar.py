@@ -30,12 +30,14 @@ ENDING = ".toml"
 OPENED = " (opened)"  # ends the name of a scene whose file was opened in the browser
 AGAIN = "restore_page"
 UNDO, REDO = ("Undo", "Ctrl+z"), ("Redo", "Ctrl+Shift+z")
-SKETCH = "/live/sketch/"  # before the name of a scene of the folder: the address of its picture
+THUMBNAILS = (
+    "/live/thumbnails/"  # before the name of a scene of the folder: the address of its picture
+)
 # What the list of scenes shows of each; v-if: of what is no file of the folder there is no picture.
 OPTION = f"""
     <q-item v-bind="props.itemProps" class="rg-scene">
         <img v-if="!/ \\((other|opened)\\)$/.test(props.opt.label)" alt="" loading="lazy"
-            :src="'{SKETCH}' + encodeURIComponent(props.opt.label)">
+            :src="'{THUMBNAILS}' + encodeURIComponent(props.opt.label)">
         <q-item-section>
             <q-item-label>{{{{ props.opt.label }}}}</q-item-label>
             <q-item-label caption>{{{{ props.opt.about }}}}</q-item-label>

@@ -1,0 +1,85 @@
+"""A scene as a small picture: the rod as it begins, what holds it, what it carries, its loads."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from io import BytesIO
+
+import numpy as np
+from matplotlib.figure import Figure
+
+from rodgen.arrays import Array
+from rodgen.model.term import FORCE, SPREAD, WEIGHT, Term
+from rodgen.model.terms import TERMS
+from rodgen.scene import Scene
+from rodgen.scene.plain_tables import get_at
+from rodgen.scene.rod_points import link_and_share
+from rodgen.show.canvas import ROD
+from rodgen.show.marks import draw_marks
+
+SIZE, ROOM, ARROW = np.array((168.0, 104.0)), 26.0, 22.0  # points; ROOM: about the rod
+ALONG, ASIDE = (0.15, 0.38, 0.62, 0.85), 8.0  # where on the rod arrows stand; points beside it
+NO_GAP = {"mutation_scale": 12.0, "shrinkA": 0, "shrinkB": 0}
+LEFT = np.array(((0.0, 1.0), (-1.0, 0.0)))  # turns rows to the left
+
+
+def thumbnail(scene: Scene) -> bytes:
+    """Draw a scene as SVG, to be read on a light ground."""
+    joints = joints_at_start(scene)
+    seen = np.array([*joints, *((tie.x, tie.y) for tie in scene.anchors.support_points)])
+    low, high = seen.min(axis=0), seen.max(axis=0)
+    point = float(np.max((high - low) / (SIZE - 2 * ROOM)))  # metres
+    figure = Figure(tuple(SIZE / 72), layout="none")
+    axes = figure.add_axes((0, 0, 1, 1))
+    axes.set_axis_off()
+    (left, right), (below, above) = np.transpose((low + high) / 2 + point * SIZE / 2 * [[-1], [1]])
+    axes.set(xlim=(left, right), ylim=(below, above))
+    axes.plot(*joints.T, color=ROD, linewidth=3.0)
+    draw_marks(axes, scene, joints, ROD)
+    for name in scene.loads.terms:
+        style = {"arrowstyle": "-|>", "color": TERMS[name].colours[0], "lw": 2.0, **NO_GAP}
+        for start, end in _arrows(scene, TERMS[name], joints, point):
+            axes.annotate("", end, start, arrowprops=style)
+    file = BytesIO()
+    figure.savefig(file, format="svg", transparent=True)
+    return file.getvalue()
+
+
+def joints_at_start(scene: Scene) -> Array:
+    """Positions of the joints at the start [m], (links + 1, 2)."""
+    y, boundary, rod = scene.initial_state(), scene.boundary_condition, scene.rod
+    free = 2 * boundary.translates
+    held = [rod.clamp_angle or 0.0] * boundary.first
+    phi = np.concatenate((held, y[free : (len(y) - len(scene.states)) // 2]))
+    links = rod.length / rod.links * np.stack((np.cos(phi), np.sin(phi)), axis=-1)
+    start = y[:2] if free else np.array(scene.anchors.start)
+    return np.concatenate(([start], start + np.cumsum(links, axis=0)))
+
+
+def _arrows(scene: Scene, term: Term, joints: Array, point: float) -> Iterator[tuple[Array, Array]]:
+    """Ends of the arrows of a load [m]; point: metres. One that pushes ends at the rod, and one
+    that pulls begins there."""
+    size = point * ARROW
+    if term.kind == SPREAD:
+        for share in ALONG:
+            place, along = _point_at(share, joints)
+            start = place + point * ASIDE * along @ LEFT
+            yield start, start - 0.6 * size * along
+    elif term.kind == WEIGHT:
+        yield joints.mean(axis=0), joints.mean(axis=0) - [0.0, size]
+    elif term.kind == FORCE:
+        one = term.parameters[0]
+        table = get_at(scene, *scene.key_path(one.name)[: -len(one.key_path)])
+        place, along = _point_at(getattr(table, "at", 1.0), joints)
+        # Of an expression it is shown that it is there, not which way it points at first.
+        parts = [get_at(table, *part.key_path) for part in term.size_parameters]
+        pull = np.array([part if isinstance(part, int | float) else 1.0 for part in parts])
+        pull = -size * along if term.follows else size * pull / (np.linalg.norm(pull) or 1.0)
+        yield (place - pull, place) if pull @ along < 0 else (place, place + pull)
+
+
+def _point_at(share: float, joints: Array) -> tuple[Array, Array]:
+    """A point of the rod [m], and the direction of its link."""
+    link, part = link_and_share(share, len(joints) - 1)
+    step = joints[link + 1] - joints[link]
+    return joints[link] + part * step, step / np.linalg.norm(step)
