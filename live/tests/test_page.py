@@ -15,9 +15,9 @@ import rodgen
 from live.tests.conftest import SCENE, make
 from live.tests.view import DIGITS, View, expect
 from rodgen.scene import Scene, Structure
+from rodgen.system import System
 from rodgen_live.run.link import Link
 from rodgen_live.run.live_run import LiveRun
-from rodgen_live.run.worker_main import frozen_modes
 
 pytestmark = pytest.mark.slow  # in a browser
 TIMES = 1e-9  # s: between times that are the same but for rounding
@@ -221,8 +221,7 @@ def test_modes_are_those_about_the_present_state(view: View) -> None:
     """And, when that is another, of that; the chosen one stays chosen."""
 
     def hertz(y: Any) -> Any:
-        model = rodgen.build(SCENE, "numpy")
-        return frozen_modes(model, 0.0, y, model.parameters(**SCENE.parameters), 4).frequencies
+        return rodgen.natural_modes(System(SCENE).at(y0=y), 4, frozen=True).frequencies
 
     first = hertz(SCENE.initial_state())
     # The number, and four digits of its frequency.

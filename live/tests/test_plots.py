@@ -111,7 +111,7 @@ def test_the_page_is_told_what_to_draw(bar: Any) -> None:
     ):
         assert [one["turn"] for one in plot(catalogue, **choice).to_json()["series"]] == turns
     spec = PlotSpec.from_dict({**GOOD, "window": 3, "wrapped": False}, catalogue)
-    assert PlotSpec.from_dict(json.loads(json.dumps(spec.to_dict())), catalogue) == spec
+    assert PlotSpec.from_dict(json.loads(spec.model_dump_json()), catalogue) == spec
     names = [one["name"] for one in energies["series"]]
     assert names == ["kinetic_energy", "total_energy"]  # there is neither spring nor gravity
 

@@ -167,7 +167,7 @@ def test_link_brings_back_the_scene_its_plots_and_the_view(run: LiveRun, other: 
     does(other, lambda: other.switch_to(link.scene), lambda: apply_link(other, link))
     assert other.undo.file == SCENE
     ((name, plot),) = other.plots.items()
-    assert plot.spec == replace(run.plots["p1"].spec, id=name)
+    assert plot.spec == run.plots["p1"].spec.model_copy(update={"id": name})
 
 
 def packed(text: str) -> str:

@@ -12,8 +12,9 @@ import rodgen
 from rodgen.analyse.extrapolation import richardson
 from rodgen.analyse.modes import natural_modes
 from rodgen.analyse.references.continuum import chain_frequency, natural_frequency
+from rodgen.errors import InputError
 from rodgen.model.rod import BOUNDARIES, INERTIAS
-from tests.analyse.rods import SIZES, THRUST, eigenvalues, exact_rates, rod
+from tests.analyse.rods import LENGTH, SIZES, THRUST, are_among, eigenvalues, exact_rates, rod
 from tests.palette import cases
 from tests.sets import sets
 
@@ -146,3 +147,46 @@ def test_one_link_that_turns_freely_has_no_modes(boundary: str, rigid: int) -> N
     found = natural_modes(rod(1, boundary))
     assert (len(found.frequencies), found.rigid) == (0, rigid)
     assert found.displacements.shape == (0, 2, 2)
+
+
+# Modes about a shape, as if the rod stood still in it ------------------------------------------
+
+
+@pytest.mark.parametrize("angle", [-np.pi / 2, 0.6, np.pi / 2])
+def test_a_pendulum_held_at_any_angle(angle: float) -> None:
+    """Of a uniform link, phi'' = -3 g/(2 L) cos phi: its derivative is what the motion grows by, or
+    swings with; gravity, which pulls it away from there, is left out, and that is said."""
+    squared = 1.5 * 9.81 / LENGTH * np.sin(angle)
+    found = natural_modes(
+        rod(1, "pinned", {"gravity": {}}, initial={"phi": angle, "omega": 3.0}), frozen=True
+    )
+    s = found.growth[0] + 2j * np.pi * found.frequencies[0]
+    assert s**2 == pytest.approx(squared, rel=1e-12)
+    assert (found.rigid, found.stable) == (0, bool(squared < 0))
+    assert any("not at rest" in note.text for note in found.notes) == (abs(np.cos(angle)) > 1e-9)
+    size = LENGTH * max(abs(np.sin(angle)), abs(np.cos(angle)))  # the tail moves by that a radian
+    assert np.abs(found.phi) == pytest.approx(np.array([[1 / size]]), rel=1e-8)
+
+
+def test_frozen_in_an_equilibrium_modes_are_those_about_it() -> None:
+    scene = rod(4, "clamped", {"gravity": {"g": 2.0}} | THRUST)
+    rest = rodgen.static_equilibrium(scene)
+    found = natural_modes(rodgen.System(scene).at(y0=rest.y), 3, frozen=True)
+    wanted = natural_modes(scene, 3)
+    assert found.frequencies == pytest.approx(wanted.frequencies, rel=1e-8)
+    for one, other in zip(found.displacements, wanted.displacements, strict=True):
+        np.testing.assert_allclose(one, np.sign((one * other).sum()) * other, atol=1e-6)
+
+
+def test_frozen_after_a_run() -> None:
+    """In the shape that the rod has come to, whatever its speed: those of a start in that shape."""
+    scene = rod(3, "free", {"gravity": {}}, initial={"phi": "0.3*s", "velocity": [3.0, -1.0]})
+    found = natural_modes(scene, 3, after=0.5, frozen=True)
+    y = rodgen.simulate(scene, span=[0.0, 0.5], progress=False, target="numpy").y[-1]
+    begun = natural_modes(rodgen.System(scene).at(y0=y), 3, frozen=True)
+    assert found.rigid == 3  # no load turns it back
+    assert found.frequencies == pytest.approx(begun.frequencies, rel=1e-6)  # of two targets
+    s = eigenvalues(scene, np.where(np.arange(len(y)) < len(y) // 2, y, 0.0))
+    are_among(found, s)
+    with pytest.raises(InputError, match="speed"):
+        natural_modes(scene, speed=1.0, frozen=True)

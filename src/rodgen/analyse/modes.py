@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass, field
-from types import ModuleType
 from typing import Any
 
 import numpy as np
@@ -18,18 +17,27 @@ from rodgen.analyse.analysis_guard import (
 )
 from rodgen.analyse.eigenvalues import (
     MOST_DENSE,
+    Complex,
     EigenSolution,
     all_eigenvalues,
     lowest_eigenvalues,
     refine_eigenvalues,
 )
 from rodgen.analyse.equilibrium_equations import free_directions
+from rodgen.analyse.frozen_modes import (
+    NUDGE,
+    STILL,
+    frozen_motions,
+    joint_displacements,
+    select_modes,
+)
 from rodgen.analyse.modal import CRUDE, ROUNDING
 from rodgen.analyse.pencil import BlockPencil, DensePencil
 from rodgen.analyse.steady_rod import TIME, StateResult, SteadyRod, state_after
 from rodgen.analyse.steady_state import SteadyState, find_steady_state, linearise
 from rodgen.arrays import Array
 from rodgen.display import Plottable
+from rodgen.errors import InputError
 from rodgen.progress import report_stage
 from rodgen.result import ASKED, FLAG, Note, Row, StudyStorage, doubt, omit_from_tables, remarks
 from rodgen.scene import Scene
@@ -38,12 +46,8 @@ from rodgen.system import System
 
 DENSE = 24  # links up to which all eigenvalues are computed; the lowest alone beyond
 FARTHEST = 16  # times the asked count of eigenvalues are looked at beyond MOST_DENSE links
-STILL = 1e-7  # of the modulus: a real part below it is rounding
-GONE = 2 * np.pi / np.log(1e16)  # of the decay: a slower oscillation is rounding after a period
 SLACK = "rod.spring has no slope above 0 at d = 0: nothing resists a small bend of the straight rod"
 NAMED = 3  # frequencies in a line of text
-NUDGE = 1e-6  # rad, of the differences by which shapes are drawn: errors are its square
-
 
 SOME = StudyStorage(usual=True, several=4)
 RIGID_WAYS = "", " (turning)", " (moving along and across)", " (moving and turning)"
@@ -152,6 +156,7 @@ def natural_modes(
     t: float | None = None,
     speed: float | None = None,
     after: float | None = None,
+    frozen: bool = False,
 ) -> Modes:
     """Return the lowest natural frequencies and mode shapes of a scene about its steady state.
 
@@ -176,6 +181,9 @@ def natural_modes(
         the part of the scene's initial velocity along the axis.
     after
         Take loads, speed and direction from a run of the scene after this time [s].
+    frozen
+        Take the shape at the start, or after a run (``after``), as if the rod stood still in it;
+        forces that drive it away from there are left out. All eigenvalues are computed.
 
     Returns
     -------
@@ -200,9 +208,14 @@ def natural_modes(
     """
     count = check_whole_number(count, "count", 1)
     system = System.of(system)
-    check_analysis_memory(MODES, system, count=count, few=max(DENSE, 3 * count))
+    few = system.structure.n_links if frozen else max(DENSE, 3 * count)
+    check_analysis_memory(MODES, system, count=count, few=few)
+    if frozen and speed is not None:
+        raise InputError("speed", speed, "absent: the rod is taken to stand still (frozen)")
     system, t = state_after(system, t, speed, after)
     rod = SteadyRod.of(system, t, speed)
+    if frozen:
+        return _modes_about_shape(rod, count)
     return modes_about(find_steady_state(rod), count)
 
 
@@ -212,13 +225,10 @@ def modes_about(state: SteadyState, count: int) -> Modes:
     pencil = state.dense_pencil(whole=True) if rod.has_feedback else linearise(state)
     found = _find_eigenvalues(state, pencil, count)
     s, vectors = found.s, found.vectors
-    moves, kept = _select_modes(s, count)
+    moves, kept = select_modes(s, count)
     phi, moved = _mode_shapes(state, s[kept], vectors[:, kept].T)
-    growth = s.real[kept]
-    least = 0.0 if pencil.is_damped else STILL * np.abs(s[kept])
     rounded = CRUDE * ROUNDING * np.abs(s).max(initial=0.0)
-    real = (np.abs(growth) > least) & ((growth < 0) | (growth > rounded))
-    growth = np.where(real, growth, 0.0)
+    growth = _without_rounding(s[kept], 0.0 if pencil.is_damped else STILL, rounded)
     return Modes(
         frequencies=s[kept].imag / (2 * np.pi),
         growth=growth,
@@ -236,6 +246,40 @@ def modes_about(state: SteadyState, count: int) -> Modes:
         ),
         system=rod.system,
     )
+
+
+def _modes_about_shape(rod: SteadyRod, count: int) -> Modes:
+    """Compute modes about the positions of the initial state, as if the rod stood still there."""
+    y, p = rod.system.y0, rod.system.p
+    found = frozen_motions(rod.model, rod.t, y, p, count)
+    growth = _without_rounding(found.s, STILL, 0.0)
+    phi, moved = _real_shapes(rod, found.q, found.displacements)
+    moves = bool(found.acceleration > STILL * np.abs(found.s).max(initial=0.0) ** 2)
+    at = f"of up to {found.acceleration:.3g} rad/s^2 are left out"
+    return Modes(
+        frequencies=found.s.imag / (2 * np.pi),
+        growth=growth,
+        phi=phi,
+        displacements=moved,
+        joints=rod.model.joints(y, p),
+        state=f"the shape at t = {rod.t:g} s, taken to stand still",
+        rigid=found.rigid,
+        overdamped=found.overdamped,
+        notes=(
+            *_instability_doubts(growth),
+            *remarks((f"the rod is not at rest in this shape: accelerations {at}",) * moves),
+            *remarks(mesh_notes(rod.scene)),
+        ),
+        system=rod.system,
+    )
+
+
+def _without_rounding(s: Complex, least: float, rounded: float) -> Array:
+    """Growth (k,) of eigenvalues [1/s], zero below their moduli times ``least``, and what grows by
+    less than ``rounded``."""
+    growth: Array = s.real
+    real = (np.abs(growth) > least * np.abs(s)) & ((growth < 0) | (growth > rounded))
+    return np.where(real, growth, 0.0)
 
 
 def _instability_doubts(growth: Array) -> Iterator[Note]:
@@ -259,26 +303,16 @@ def _find_eigenvalues(
     if n_moving <= max(DENSE, 3 * count) or (pencil.is_damped and n_moving <= MOST_DENSE):
         found = all_eigenvalues(pencil, turns)
         return (
-            refine_eigenvalues(pencil, found, _select_modes(found.s, count)[1])
+            refine_eigenvalues(pencil, found, select_modes(found.s, count)[1])
             if n_moving > DENSE
             else found
         )
     asked = count
     while True:
         found = lowest_eigenvalues(pencil, asked, state.free_rotation)
-        if len(_select_modes(found.s, count)[1]) >= count or asked >= FARTHEST * count:
+        if len(select_modes(found.s, count)[1]) >= count or asked >= FARTHEST * count:
             return found
         asked *= 2  # overdamped motions have taken the places
-
-
-def _select_modes(s: NDArray[Any], count: int) -> tuple[NDArray[Any], NDArray[Any]]:
-    """Flags of eigenvalues that oscillate before they have died away; numbers of the lowest
-    ``count`` of them and of all that grow, by frequency."""
-    moves = s.imag > np.maximum(STILL * np.abs(s), -GONE * s.real)
-    grows = s.real > STILL * np.abs(s)
-    kept = np.flatnonzero(moves | grows)
-    kept = kept[np.argsort(s[kept].imag, kind="stable")]
-    return moves, kept[(np.arange(len(kept)) < count) | grows[kept]]
 
 
 def _count_rigid(state: SteadyState) -> int:
@@ -305,9 +339,14 @@ def _mode_shapes(
     if rod.n_base and not across.size:
         q[:, :2] = _base_displacements(state, s, q)
     moved, largest = joint_displacements(rod.model, rod.state_at_rest(state.at), state.p, q)
+    return _real_shapes(rod, q / largest[:, None], moved / largest[:, None, None])
+
+
+def _real_shapes(rod: SteadyRod, q: Complex, moved: Complex) -> tuple[NDArray[Any], NDArray[Any]]:
+    """Angles (k, n) of shapes (k, coordinates), and displacements (k, n+1, 2), real where joints
+    move in step."""
     phi = rod.all_angles(q[:, rod.n_base :])
     phi[:, : rod.scene.n_fixed_links] = 0.0
-    phi, moved = phi / largest[:, None], moved / largest[:, None, None]
     real = np.abs(phi.imag).max(initial=0.0) <= 1e3 * STILL * np.abs(phi).max(initial=0.0)
     return (phi.real, moved.real) if real else (phi, moved)
 
@@ -324,20 +363,3 @@ def _base_displacements(state: SteadyState, s: NDArray[Any], q: NDArray[Any]) ->
             up, down = (rod.accelerations(y + sign * NUDGE * part, state.p) for sign in (1, -1))
             base[at] += unit * (up - down)[:2] / (2 * NUDGE * rate**2)
     return base
-
-
-def joint_displacements(
-    model: ModuleType, y: Array, p: Array, q: NDArray[np.complex128]
-) -> tuple[NDArray[np.complex128], NDArray[np.complex128]]:
-    """Displacements (k, n+1, 2) of joints for small changes (k, coordinates) of the positions of a
-    state, and the largest component of each (k,)."""
-
-    def displacements(part: Array) -> Array:
-        sides = np.tile(y, (2, len(q), 1))
-        sides[..., : q.shape[1]] += NUDGE * np.array((part, -part))
-        up, down = (model.joints(side, p) for side in sides)
-        return np.asarray((up - down) / (2 * NUDGE))
-
-    moved = displacements(q.real) + 1j * displacements(q.imag)
-    flat = moved.reshape(len(q), moved[0].size if len(q) else 1)
-    return moved, flat[np.arange(len(q)), np.abs(flat).argmax(axis=1)]

@@ -19,6 +19,14 @@ def modes(
     t: AtTime = None,
     speed: Speed = None,
     after: After = None,
+    frozen: Annotated[
+        bool,
+        typer.Option(
+            "--frozen/--steady",
+            help="Whether to take the shape at the start, or --after a run, as if the rod stood"
+            " still in it.",
+        ),
+    ] = False,
     out_folder: OutFolder = Path("results"),
     as_json: AsJson = False,
 ) -> None:
@@ -27,5 +35,5 @@ def modes(
 
     with delivery(scene, out_folder, as_json) as deliver:
         with show_work("linearising"):
-            found = natural_modes(scene, count, t=t, speed=speed, after=after)
+            found = natural_modes(scene, count, t=t, speed=speed, after=after, frozen=frozen)
         deliver("natural frequencies", found, {"modes": "shapes"})

@@ -109,6 +109,8 @@ PLAIN = {
     "float_type": "a number",
     "string_type": "text",
     "list_type": "a list",
+    "tuple_type": "a list",
+    "bool_type": "true or false",
     "model_type": "a table",
     "model_attributes_type": "a table",
     "finite_number": "a finite number",
@@ -131,4 +133,6 @@ def _allowed_values(detail: Any, field: Any) -> str:
         case "too_short" | "too_long":
             most = context.get("max_length", 2)
             return "a list of 2 numbers" if most == 2 else f"a list of at most {most} tables"
+        case "string_pattern_mismatch":
+            return str(field.description)
     return PLAIN.get(detail["type"], str(detail["msg"]))

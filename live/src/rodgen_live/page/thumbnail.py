@@ -29,7 +29,8 @@ def thumbnail(scene: Scene) -> bytes:
     seen = np.array([*joints, *((tie.x, tie.y) for tie in scene.anchors.support_points)])
     low, high = seen.min(axis=0), seen.max(axis=0)
     point = float(np.max((high - low) / (SIZE - 2 * ROOM)))  # metres
-    figure = Figure(tuple(SIZE / 72), layout="none")
+    figure = Figure(tuple(SIZE / 72))
+    figure.set_layout_engine("none")  # whatever the style in use
     axes = figure.add_axes((0, 0, 1, 1))
     axes.set_axis_off()
     (left, right), (below, above) = np.transpose((low + high) / 2 + point * SIZE / 2 * [[-1], [1]])
@@ -39,7 +40,7 @@ def thumbnail(scene: Scene) -> bytes:
     for name in scene.loads.terms:
         style = {"arrowstyle": "-|>", "color": TERMS[name].colours[0], "lw": 2.0, **NO_GAP}
         for start, end in _arrows(scene, TERMS[name], joints, point):
-            axes.annotate("", end, start, arrowprops=style)
+            axes.annotate("", (*end,), (*start,), arrowprops=style)
     file = BytesIO()
     figure.savefig(file, format="svg", transparent=True)
     return file.getvalue()

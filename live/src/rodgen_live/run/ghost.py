@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 import numpy as np
 
 from rodgen.arrays import Array
@@ -59,7 +57,7 @@ class Ghost:
             return None
         names = spec.y if spec.kind == "profile" else plot.names
         window = spec.window if spec.kind == "spectrum" else LONGEST
-        wanted = replace(spec, y=names, window=window)
+        wanted = spec.model_copy(update={"y": names, "window": window})
         own = transfer(wanted, spec.id, plot.catalogue, self.catalogue)
         return Plot(own, self.catalogue) if own and len(own.y) == len(names) else None
 

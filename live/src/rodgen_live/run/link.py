@@ -66,9 +66,7 @@ def make_link(run: LiveRun, view: str) -> Link:
     """Make a link to a run: its scene and that of its file, its plots, and a view. To be called in
     the thread of the run."""
     scene, file = run.live.scene, run.undo.file
-    plots = [one.spec.to_dict() for one in run.plots.values()]
-    for choice in plots:
-        del choice["id"]
+    plots = [one.spec.model_dump(mode="json", exclude={"id"}) for one in run.plots.values()]
     return Link(scene, tuple(plots), view, None if file == scene else file)
 
 

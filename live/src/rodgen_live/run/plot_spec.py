@@ -3,15 +3,16 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator, Mapping
-from dataclasses import asdict, dataclass, fields, replace
+from collections.abc import Mapping
 from typing import Any
+
+from pydantic import BaseModel, Field, ValidationError
 
 from rodgen.errors import InputError
 from rodgen.model.quantities import OWN
-from rodgen.scene.plain_tables import is_number
 from rodgen.scene.structure import check_choice
 from rodgen.scene.tables import LARGEST
+from rodgen.scene.validation import to_input_error
 from rodgen_live.plot_quantities import KINDS, Catalogue
 from rodgen_live.run.sample_curves import DIRECTIONS
 from rodgen_live.user_expression import NAME
@@ -26,12 +27,9 @@ PLOT_KINDS = {
 }
 AXES = {"linear": "linear", "log y": "amplitudes logarithmic", "log": "both logarithmic"}
 LONGEST = 1e6  # seconds of a window
-BOUNDS = {"window": (1e-6, LONGEST), "value": (-LARGEST, LARGEST), "every": (0.0, LARGEST)}
-MOST_NAMES = 200
 
 
-@dataclass(frozen=True)
-class PlotSpec:
+class PlotSpec(BaseModel, extra="forbid", frozen=True, strict=True):
     """Specification of a plot. y: names of quantities or of kinds, which stand for all of their
     quantities (profile: one kind that goes along the rod; phase, poincare and spectrum: one
     quantity); x: of phase and poincare; window: seconds that are shown, or that a spectrum is of;
@@ -40,16 +38,18 @@ class PlotSpec:
     their mean, points of a section each without its own; axes: of a spectrum (AXES).
     title: made where it is empty."""
 
-    id: str
+    id: str = Field(pattern="^[A-Za-z0-9_-]{1,32}$", description="1 to 32 letters, digits, - and _")
     kind: str
-    y: tuple[str, ...]
+    y: tuple[str, ...] = Field(min_length=1, max_length=200)
     x: str = "t"
-    title: str = ""
-    window: float = 20.0
+    title: str = Field(
+        "", pattern=r"^[^\p{C}\p{Zl}\p{Zp}]{0,80}$", description="one line, of 80 letters at most"
+    )
+    window: float = Field(20.0, ge=1e-6, le=LONGEST)
     when: str = ""
-    value: float = 0.0
+    value: float = Field(0.0, ge=-LARGEST, le=LARGEST)
     direction: str = "rising"
-    every: float = 0.0
+    every: float = Field(0.0, ge=0.0, le=LARGEST)
     wrapped: bool = True
     axes: str = "linear"
 
@@ -57,45 +57,18 @@ class PlotSpec:
     def from_dict(cls, choice: Mapping[str, Any], catalogue: Catalogue) -> PlotSpec:
         """Make a specification from a user's choices. Raises InputError that names field, value and
         what is allowed, also for a quantity that this rod does not have."""
-        known = [field.name for field in fields(cls)]
-        for name in choice:
-            if name not in known:
-                raise InputError("plot", name, f"absent: not a known key (known: {known})")
-        for name in ("id", "kind", "y"):
-            if name not in choice:
-                raise InputError(f"plot.{name}", None, "given")
-        y = (choice["y"],) if isinstance(choice["y"], str) else choice["y"]
-        if not (isinstance(y, list | tuple) and 0 < len(y) <= MOST_NAMES):
-            raise InputError("plot.y", y, f"1 to {MOST_NAMES} names of quantities")
-        spec = cls(**{**choice, "y": tuple(y)})
-        for name, fits, allowed in _checks(spec):
-            if not fits:
-                raise InputError(f"plot.{name}", choice[name], allowed)
+        y = choice.get("y")
+        names = {"y": (y,) if isinstance(y, str) else tuple(y)} if isinstance(y, str | list) else {}
+        try:
+            spec = cls(**{**choice, **names})
+        except ValidationError as error:
+            found = to_input_error(error, cls)
+            raise InputError(f"plot.{found.field}", found.value, found.allowed) from None
         check_choice("plot.kind", spec.kind, PLOT_KINDS)
         check_choice("plot.direction", spec.direction, DIRECTIONS)
         check_choice("plot.axes", spec.axes, AXES)
         _check_names(spec, catalogue)
         return spec
-
-    def to_dict(self) -> dict[str, Any]:
-        """Convert the specification to a table for `from_dict`, as JSON has it."""
-        return {**asdict(self), "y": list(self.y)}
-
-
-def _checks(spec: PlotSpec) -> Iterator[tuple[str, Any, str]]:
-    """Names of fields, whether their values are what they may be, and what that is."""
-    id_fits = isinstance(spec.id, str) and re.fullmatch(r"[A-Za-z0-9_-]{1,32}", spec.id)
-    yield "id", id_fits, "1 to 32 letters, digits, - and _"
-    title = isinstance(spec.title, str) and len(spec.title) <= 80 and f" {spec.title}".isprintable()
-    yield "title", title, "at most 80 printable characters"
-    yield "wrapped", isinstance(spec.wrapped, bool), "true or false"
-    for name, (low, high) in BOUNDS.items():
-        number = getattr(spec, name)
-        yield (
-            name,
-            is_number(number) and low <= number <= high,
-            f"a number from {low:g} to {high:g}",
-        )
 
 
 def _check_names(spec: PlotSpec, catalogue: Catalogue) -> None:
@@ -188,7 +161,8 @@ def transfer(spec: PlotSpec, name: str, before: Catalogue, after: Catalogue) -> 
     x, when = new_quantity(spec.x), new_quantity(spec.when) if spec.when else ""
     if not y or x is None or when is None:
         return None
+    moved = {"id": name, "y": y, "x": x, "when": when}
     try:
-        return PlotSpec.from_dict(replace(spec, id=name, y=y, x=x, when=when).to_dict(), after)
+        return PlotSpec.from_dict({**dict(spec), **moved}, after)
     except InputError:  # a kind that does not go along this rod
         return None

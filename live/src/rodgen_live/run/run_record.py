@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Callable
-from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -167,7 +166,7 @@ class RunRecord(RunThread, ShownRun):
         are."""
         if name in self.plots:
             plot = self.plots[name]
-            plot.spec = replace(plot.spec, wrapped=wrapped)
+            plot.spec = plot.spec.model_copy(update={"wrapped": wrapped})
             self._notify_page()
 
     def remove_plot(self, name: str) -> None:

@@ -8,15 +8,12 @@ import sys
 import traceback
 from collections.abc import Callable, Iterator
 from contextlib import suppress
-from types import ModuleType
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from rodgen.analyse.critical import critical_load
-from rodgen.analyse.modes import joint_displacements
-from rodgen.arrays import Array
+from rodgen.analyse.frozen_modes import frozen_motions
 from rodgen.errors import AnalysisError, InputError
 from rodgen.loading import build_fastest
 from rodgen.result import collect_doubts
@@ -24,8 +21,7 @@ from rodgen.scene import Scene
 from rodgen_live.run.sweep_computation import sweep
 
 MOST_MODES, MOST_LINKS = 12, 250  # shown; beyond so many links they take seconds
-STILL = 1e-7  # of the largest modulus: an imaginary part below it is rounding
-GROWS = 1e-6  # 1/s over Hz: below, growth is rounding
+GROWS = 1e-7  # of the modulus: below, growth is rounding
 POLITE = 10  # how far it stands back behind the run and the browser
 MOST_BEGUN = 100  # computations: of those that are cancelled nobody hears
 
@@ -40,31 +36,6 @@ def critical_force(scene: Scene) -> Work:
     yield {"value": found.value, "rows": rows, "notes": [note.text for note in found.notes]}
 
 
-class FrozenModes(NamedTuple):
-    """Modes about a state. frequencies: (k,) [Hz], ascending; growth: (k,) [1/s]; displacements:
-    (k, n+1, 2) of the joints, complex, the largest of each 1."""
-
-    frequencies: Array
-    growth: Array
-    displacements: NDArray[np.complex128]
-
-
-def frozen_modes(model: ModuleType, t: float, y: Array, p: Array, count: int) -> FrozenModes:
-    """Compute the oscillating motions of lowest frequency, up to ``count``, by the eigenvalues of
-    the module's Jacobian J in y' = J y, at time t, the positions of y and rates of zero. Forces
-    that drive the rod away from there are left out."""
-    half = (len(y) - len(getattr(model, "STATES", ()))) // 2
-    at = y.copy()
-    at[half : 2 * half] = 0.0
-    s, vectors = np.linalg.eig(np.asarray(model.jac(t, at, p)))
-    moving = np.flatnonzero(s.imag > STILL * np.abs(s).max(initial=0.0))
-    kept = moving[np.argsort(s[moving].imag, kind="stable")][:count]
-    q = vectors[:half, kept].T
-    q = q / np.abs(q).max(axis=1, keepdims=True)
-    moved, largest = joint_displacements(model, at, p, q)
-    return FrozenModes(s[kept].imag / (2 * np.pi), s[kept].real, moved / largest[:, None, None])
-
-
 def mode_shapes(scene: Scene, t: float, y: list[float], p: list[float]) -> Work:
     """Compute modes about the positions of a state at time t [s], with the parameters p of the
     module, for the page: names, captions, and displacements of the joints x0, y0, ..., real and
@@ -73,10 +44,10 @@ def mode_shapes(scene: Scene, t: float, y: list[float], p: list[float]) -> Work:
         links = scene.rod.links
         raise InputError("rod.links", links, f"at most {MOST_LINKS} for modes on the page")
     model = build_fastest(scene)
-    found = frozen_modes(model, t, np.array(y), np.array(p), MOST_MODES)
+    found = frozen_motions(model, t, np.array(y), np.array(p), MOST_MODES)
     named = [
-        f"{k}: {hertz:.4g} Hz" + (", grows" if rate > GROWS * hertz else "")
-        for k, (hertz, rate) in enumerate(zip(found.frequencies, found.growth, strict=True), 1)
+        f"{k}: {s.imag / (2 * np.pi):.4g} Hz" + ", grows" * bool(s.real > GROWS * abs(s))
+        for k, s in enumerate(found.s, 1)
     ]
     yield [
         {
