@@ -27,6 +27,7 @@ PLOT_KINDS = {
 }
 AXES = {"linear": "linear", "log y": "amplitudes logarithmic", "log": "both logarithmic"}
 LONGEST = 1e6  # seconds of a window
+LINE = r"^[^\p{C}\p{Zl}\p{Zp}]{0,80}$"  # of what is printed
 
 
 class PlotSpec(BaseModel, extra="forbid", frozen=True, strict=True):
@@ -42,7 +43,7 @@ class PlotSpec(BaseModel, extra="forbid", frozen=True, strict=True):
     kind: str
     y: tuple[str, ...] = Field(min_length=1, max_length=200)
     x: str = "t"
-    title: str = Field(
+    title: str = Field("", pattern=LINE, description="one line, of 80 letters at most")
         "", pattern=r"^[^\p{C}\p{Zl}\p{Zp}]{0,80}$", description="one line, of 80 letters at most"
     )
     window: float = Field(20.0, ge=1e-6, le=LONGEST)
