@@ -44,8 +44,6 @@ class PlotSpec(BaseModel, extra="forbid", frozen=True, strict=True):
     y: tuple[str, ...] = Field(min_length=1, max_length=200)
     x: str = "t"
     title: str = Field("", pattern=LINE, description="one line, of 80 letters at most")
-        "", pattern=r"^[^\p{C}\p{Zl}\p{Zp}]{0,80}$", description="one line, of 80 letters at most"
-    )
     window: float = Field(20.0, ge=1e-6, le=LONGEST)
     when: str = ""
     value: float = Field(0.0, ge=-LARGEST, le=LARGEST)
