@@ -216,3 +216,13 @@ def test_analyses_take_systems_and_scenes() -> None:
     )
     np.testing.assert_array_equal(one.y, other.y)
     assert one.scene == other.scene
+
+
+def test_a_system_stands_where_a_scene_does() -> None:
+    """In the making of a module, and in the limit of many links."""
+    system = System(scene_of(rod=ROD))
+    assert rodgen.build(system, "numpy") is rodgen.build(system.scene, "numpy")
+    systems = [System(scene_of(rod={**ROD, "links": n})) for n in (2, 4, 8)]
+    assert rodgen.richardson(systems, [1 + 1 / n**2 for n in (2, 4, 8)]).value == pytest.approx(1.0)
+    with pytest.raises(TypeError, match="System"):
+        rodgen.build(3.0)  # type: ignore[arg-type]

@@ -15,6 +15,7 @@ from rodgen.errors import AnalysisError, InputError
 from rodgen.result import Note, Result, Row, doubt, warns_of_doubts
 from rodgen.scene import Scene
 from rodgen.scene.mesh import mesh_dependent_values
+from rodgen.system import System
 
 HIGHEST = 50.0  # order that is looked for
 WHOLE = 0.15  # an observed order is taken for a whole number within this: by then the next term
@@ -63,7 +64,7 @@ class Extrapolation(Result):
 
 @warns_of_doubts
 def richardson(
-    n: Sequence[float] | Sequence[Scene] | Array,
+    n: Sequence[float] | Sequence[System | Scene] | Array,
     values: Sequence[float] | Array,
     order: float | Sequence[float] | None = None,
     *,
@@ -79,8 +80,8 @@ def richardson(
     Parameters
     ----------
     n
-        Numbers of links (m,), dimensionless, in any sequence, or the scenes themselves. Scenes
-        whose damping is not the same give a doubt (see Scene.with_links).
+        Numbers of links (m,), dimensionless, in any sequence, or the scenes or Systems
+        themselves. Those whose damping is not the same give a doubt (see Scene.with_links).
     values
         The computed values (m,), in units of any kind.
     order
@@ -133,10 +134,10 @@ def richardson(
 
 
 def _link_counts(
-    n: Sequence[float] | Sequence[Scene] | Array,
+    n: Sequence[float] | Sequence[System | Scene] | Array,
 ) -> tuple[Sequence[float] | Array, tuple[Note, ...]]:
     """Numbers of links, also of scenes, with the doubt about scenes of different damping."""
-    scenes = [one for one in n if isinstance(one, Scene)]
+    scenes = [System.of(one).scene for one in n if isinstance(one, System | Scene)]
     if not scenes:
         return n, ()  # type: ignore[return-value]  # none is a scene, as no annotation tells
     if len(scenes) < len(n):

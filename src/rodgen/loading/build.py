@@ -11,23 +11,31 @@ from functools import lru_cache
 from importlib.resources import files
 from itertools import chain
 from types import ModuleType
-from typing import Any
+from typing import Any, Protocol
 
 from rodgen.emit.targets import available_parts, check_output, required_parts, target_of
-from rodgen.errors import InputError, check_type
+from rodgen.errors import InputError
 from rodgen.loading import cache
 from rodgen.loading.generated_module import Model, load_files, structure_of
 from rodgen.native import native_batch, native_run
 from rodgen.native.library import BuildError, end_compilers, library_environment
 from rodgen.progress import COMPILING, DERIVING, report_stage, show_work
-from rodgen.scene import Scene, Structure
+from rodgen.scene import Structure
 
 # The dense form holds a few matrices of this many links squared.
 MOST_DENSE_LINKS = 5000
 
 
+class HasStructure(Protocol):
+    """A scene, or what is made of one, such as a System."""
+
+    @property
+    def structure(self) -> Structure:
+        """What its module is specialised to."""
+
+
 def build(
-    scene: Scene | Structure,
+    scene: HasStructure | Structure,
     target: str = "numpy",
     form: str = "chain",
     parts: Iterable[str] = ("rhs",),
@@ -41,7 +49,7 @@ def build(
     Parameters
     ----------
     scene
-        A scene, or the structure of one.
+        A scene, a System, or the structure of one.
     target
         "numpy" or "c".
     form
@@ -134,13 +142,13 @@ def _load(
             raise
 
 
-def build_fastest(scene: Scene | Structure, parts: Iterable[str] = ("rhs",)) -> ModuleType:
+def build_fastest(scene: HasStructure | Structure, parts: Iterable[str] = ("rhs",)) -> ModuleType:
     """The C module of a scene where it can be built, else its NumPy module."""
     return build_or_explain(scene, parts)[0]
 
 
 def build_or_explain(
-    scene: Scene | Structure, parts: Iterable[str] = ("rhs",)
+    scene: HasStructure | Structure, parts: Iterable[str] = ("rhs",)
 ) -> tuple[ModuleType, str]:
     """C module of a scene and "", or where it cannot be built its NumPy module and the reason."""
     parts = tuple(parts)
@@ -152,7 +160,7 @@ def build_or_explain(
 
 
 def sources(
-    scene: Scene | Structure,
+    scene: HasStructure | Structure,
     target: str = "numpy",
     form: str = "chain",
     parts: Iterable[str] | None = None,
@@ -223,12 +231,15 @@ def is_derived(structure: Structure, parts: Iterable[str], target: str = "c") ->
     return all(cache.read_text(*entry) is not None for entry in entries)
 
 
-def _structure(scene: Scene | Structure) -> Structure:
+def _structure(given: HasStructure | Structure) -> Structure:
     """Structure that the module of a scene is specialised to. Raises TypeError for others."""
-    if isinstance(scene, Structure):
-        return scene
-    check_type("scene", scene, Scene, Structure, see="Scene.from_toml")
-    return scene.structure
+    structure: object = getattr(given, "structure", given)
+    if isinstance(structure, Structure):
+        return structure
+    raise TypeError(
+        "scene must be a Scene, a System or a Structure (see Scene.from_toml), "
+        f"not {type(given).__name__}"
+    )
 
 
 def _recall(text: str | None) -> dict[str, str] | None:

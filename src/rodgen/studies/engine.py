@@ -20,6 +20,7 @@ from rodgen.scene import Scene
 from rodgen.studies.adaptive import Rounds, refinement_rounds
 from rodgen.studies.specification import Kept, Texts
 from rodgen.studies.study import MANY, Study
+from rodgen.system import System
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -39,7 +40,7 @@ MISSING = f"studies need more: {install_command('study')}"
 
 
 def study(
-    scene: Scene | Study | str | Path,
+    scene: System | Scene | Study | str | Path,
     vary: Mapping[str, Any] | None = None,
     *,
     analysis: str = "run",
@@ -64,7 +65,8 @@ def study(
     Parameters
     ----------
     scene
-        A Scene, the path of one, or a Study, which sets all arguments up to ``time_limit``.
+        A Scene, a System, the path of a scene, or a Study, which sets all arguments up to
+        ``time_limit``.
     vary
         Values of every key, by dotted name, such as {"loads.follower.force": [5, 10]}, or a table
         {bounds, count, scale}.
