@@ -49,6 +49,7 @@ BESIDE, BELOW = 0.9, 1.0  # inches beside axes, and above and below them, for la
 NARROWEST, HIGHEST = 0.75, 4.0  # inches: of small axes in a strip
 UPRIGHT = 0.7  # of the height of a row: room for the label of an ordinate
 ROOMY = 5.0  # inches: of a figure that has room for two axes beside each other
+LOG_RATIO = 1e3  # largest over least value, from which axes and colours go by the logarithm
 
 
 def moment_norm(limit: float) -> FuncNorm:

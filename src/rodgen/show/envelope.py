@@ -15,14 +15,14 @@ from rodgen.model.term import typeset
 from rodgen.show.canvas import BEHIND, CURVE, GUIDE, INK, LINE, SPECIAL, make_axes, set_title
 from rodgen.show.marks import start_name
 
-SHOWN = ("bending_moments", "axial_force", "shear_force")
+SECTION_QUANTITIES = ("bending_moments", "axial_force", "shear_force")
 
 
 def envelope(solution: Solution) -> Figure:
     """Least and largest bending moment, axial force and shear force along the rod, of all samples,
     with the largest of each and its time."""
-    rows = {one.name: one for one in QUANTITIES if one.name in SHOWN}
-    there = [(rows[name], *_along(solution, rows[name])) for name in SHOWN]
+    rows = {one.name: one for one in QUANTITIES if one.name in SECTION_QUANTITIES}
+    there = [(rows[name], *_along(solution, rows[name])) for name in SECTION_QUANTITIES]
     there = [row for row in there if row[1].size and row[2].any()]
     figure, panels = make_axes(6.0, 1.0 + 1.8 * max(len(there), 1), max(len(there), 1), sharex=True)
     for axes, (row, s, values) in zip(panels, there, strict=False):

@@ -50,11 +50,11 @@ from rodgen.show.time_pictures import (
 
 LONG = 10.0  # sides of its picture, beyond which a path goes to and fro: thin, without rings
 RINGS = 10  # steps between them, at most
-DASHES = (0, (4, 2)), (0, (4, 2, 1, 2)), (0, (1, 1))  # of works
-LARGEST = 1e12  # of any state: beyond, nothing of the picture can be read
+WORK_DASHES = (0, (4, 2)), (0, (4, 2, 1, 2)), (0, (1, 1))  # of works
+LARGEST_DRAWN = 1e12  # of any state: beyond, nothing of the picture can be read
 
 BEND = np.cos(np.radians(12))  # of a turn from line to line, beyond which it is seen as a corner
-SEEN = 0.004  # of the picture: the longer line at a corner that is seen
+SEEN_CORNER = 0.004  # of the picture: the longer line at a corner that is seen
 SHARP, MOST_SHARP = 0.5, 0.25  # cosine of a turn of 60 degrees; share of turns beyond in a curve
 PARTS, ROUNDS = 4, 3  # into which a step is divided where the curve has a corner; how often
 MOST = 2000  # steps that are divided at a time: each costs up to a millisecond
@@ -96,7 +96,7 @@ def _refine(solution: Solution) -> tuple[Solution, bool]:
     shown = solution
     for _ in range(ROUNDS):
         cosines, lengths = _turn_cosines(*_position_and_rate(shown))
-        corners = np.flatnonzero((cosines < BEND) & (lengths > SEEN))
+        corners = np.flatnonzero((cosines < BEND) & (lengths > SEEN_CORNER))
         steps = np.union1d(corners, corners + 1)  # before and after
         if not len(steps):
             return shown, True
@@ -165,7 +165,7 @@ def save_pictures(solution: Solution, folder: Path, settings: PictureSettings) -
 
 def drawable_part(solution: Solution) -> Solution:
     """Return the run before it blew up, without samples where it did so at once."""
-    beyond = np.flatnonzero(np.abs(solution.y).max(axis=1) > LARGEST)
+    beyond = np.flatnonzero(np.abs(solution.y).max(axis=1) > LARGEST_DRAWN)
     return solution.head(int(beyond[0])) if len(beyond) else solution
 
 
@@ -235,7 +235,7 @@ def energies(solution: Solution) -> Figure:
     for label, values in there:
         axes.plot(t, values, color=next(colours), label=label, linewidth=LINE)
     done = [(name, work) for name, work in solution.work.items() if work.any()]
-    for (name, work), dashes in zip(done, cycle(DASHES), strict=False):
+    for (name, work), dashes in zip(done, cycle(WORK_DASHES), strict=False):
         style: dict[str, Any] = {"linestyle": dashes, "color": next(colours), "linewidth": LINE}
         axes.plot(t, work, label=f"work of {describe(name)}", **style)
     mark_times(axes, solution)

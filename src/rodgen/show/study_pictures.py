@@ -37,7 +37,7 @@ if TYPE_CHECKING:
     import xarray
 
 MOST_PICTURES = 12
-COLUMNS = 5  # of a scatter matrix, and rows
+SCATTER_COLUMNS = 5  # of a scatter matrix, and rows
 DENSE, DENSITY = 3000, "Blues"  # points from which on their density is drawn, and its colours
 FEW = 200  # points of a curve, up to which they are joined by lines
 
@@ -182,12 +182,12 @@ def _scatter_columns(
 ) -> tuple[list[tuple[str, Array]], list[tuple[str, Array]]]:
     """Return names and values of the varied numbers and of the results that are single numbers."""
     inputs = []
-    for name in of.axes[:COLUMNS]:
+    for name in of.axes[:SCATTER_COLUMNS]:
         values, _ = of.axis_values(name)
         if not of.is_sample:
             values = np.broadcast_to(
                 values.reshape([-1 if one == name else 1 for one in of.axes]), of.status.shape
             )
         inputs.append((name, values.ravel()))
-    single = [name for name in of.kept if not of.inner_dims(name)][:COLUMNS]
+    single = [name for name in of.kept if not of.inner_dims(name)][:SCATTER_COLUMNS]
     return inputs, [(name, of.values_of(name)[0].ravel()) for name in single]

@@ -18,8 +18,8 @@ from rodgen.model.term import typeset
 from rodgen.model.terms import axis_label
 from rodgen.studies.point_arrays import ALWAYS, METHOD
 
-EVEN = 1e-6  # of the spacing in which an axis is linear or logarithmic
-BESIDE = {one.name for one in (*ALWAYS, METHOD)}  # what a study keeps without being asked
+EVEN_SPACING = 1e-6  # of the spacing in which an axis is linear or logarithmic
+KEPT_ALWAYS = {one.name for one in (*ALWAYS, METHOD)}  # what a study keeps without being asked
 MOST_SHOWN = 2 * 10**5  # points of a picture
 NAMES = {"stable": {1: "stable", 0: "unstable", -1: "not known"}}
 
@@ -61,7 +61,7 @@ class StudyResults:
     @cached_property
     def kept(self) -> list[str]:
         """Names of the kept quantities, without the variables that every study has."""
-        return [str(name) for name in self.dataset.data_vars if name not in BESIDE]
+        return [str(name) for name in self.dataset.data_vars if name not in KEPT_ALWAYS]
 
     @property
     def title(self) -> str:
@@ -138,5 +138,5 @@ def is_logarithmic(values: Array) -> bool:
     if len(values) < 3 or not (values > 0).all():
         return False
     steps, plain = np.diff(np.log(values)), np.diff(values)
-    even = [np.ptp(one) <= EVEN * np.abs(one).max() for one in (steps, plain)]
+    even = [np.ptp(one) <= EVEN_SPACING * np.abs(one).max() for one in (steps, plain)]
     return bool(even[0] and not even[1])

@@ -13,7 +13,7 @@ from matplotlib.colors import Normalize
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
-from rodgen.analyse.spectrum import amplitude_spectrum
+from rodgen.analyse.spectrum import UNIFORM, amplitude_spectrum
 from rodgen.arrays import Array, even_indices
 from rodgen.integrate import Solution
 from rodgen.model.term import FORCE, SPREAD, Term
@@ -37,13 +37,12 @@ from rodgen.show.canvas import (
 from rodgen.show.marks import describe_marks, draw_marks, start_name
 
 WINDOW = "hann"
-SHORTEST = 16  # samples of a spectrum
-COLUMNS = 1200  # of moments over time: more cannot be told apart
-EVEN = 1e-6  # of the time between samples, by which it may differ
+FEWEST_SAMPLES = 16  # samples of a spectrum
+MAP_COLUMNS = 1200  # of moments over time: more cannot be told apart
 NAMED = 12  # events with names
 
 SHAPES = 12  # rods drawn in one picture
-FAR = 20.0  # lengths, beyond which a rod is a dot on its way
+FAR_FLIGHT = 20.0  # lengths, beyond which a rod is a dot on its way
 MISSED = 0.3  # of how far the rod moves, that shapes may leave out between them
 FURTHER = 1.1  # times as far as in the second half, from which the first is drawn
 
@@ -59,7 +58,7 @@ def tail_history(solution: Solution) -> Figure:
     set_title(figure, f"{solution.scene.name}: tail")
     mark_times(first, solution)
     even, steps = _uniform_samples(solution)
-    if len(even) >= SHORTEST and np.ptp(signal) > 0:
+    if len(even) >= FEWEST_SAMPLES and np.ptp(signal) > 0:
         found = amplitude_spectrum(signal[even][:, None], WINDOW)
         frequencies = np.fft.rfftfreq(len(even), steps)
         second.semilogy(frequencies[1:], found[1:], color=CURVE, linewidth=0.8)
@@ -80,14 +79,14 @@ def _uniform_samples(solution: Solution) -> tuple[NDArray[np.int64], float]:
     steps = np.diff(solution.t)
     if not len(steps):
         return np.arange(len(solution.t)), 1.0
-    other = np.flatnonzero(np.abs(steps - steps[0]) > EVEN * steps[0])
+    other = np.flatnonzero(np.abs(steps - steps[0]) > UNIFORM * steps[0])
     return np.arange(int(other[0]) + 1 if len(other) else len(solution.t)), float(steps[0])
 
 
 def moment_map(solution: Solution) -> Figure:
     """Bending moment over time and along the rod."""
     figure, (axes,) = make_axes(6.4, 4.4)
-    kept = even_indices(0, len(solution.t) - 1, COLUMNS)
+    kept = even_indices(0, len(solution.t) - 1, MAP_COLUMNS)
     found = solution.bending_moments[kept]
     set_title(figure, f"{solution.scene.name}: bending moment")
     if not solution.bending_moments.any():  # of a chain
@@ -160,7 +159,8 @@ def shapes(solution: Solution) -> Figure:
     scene, samples = solution.scene, _choose_samples(solution)
     t, every, far = solution.t[samples], solution.joints[samples], solution.scene.rod.length
     apart = (
-        scene.boundary_condition.translates and float(np.ptp(every, axis=(0, 1)).max()) > FAR * far
+        scene.boundary_condition.translates
+        and float(np.ptp(every, axis=(0, 1)).max()) > FAR_FLIGHT * far
     )
     if apart:
         places = far * np.arange(len(t))
