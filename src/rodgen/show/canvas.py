@@ -84,8 +84,7 @@ def make_pair(width: float, height: float) -> tuple[Figure, list[Axes]]:
     figure = make_figure(width, height)
     if width_of(figure) >= ROOMY:
         return figure, make_panels(figure, 1, 2).ravel().tolist()
-    if callable(_given.get()):
-        figure.set_figheight(width_of(figure))
+    set_height(figure, width_of(figure))
     return figure, make_panels(figure, 2, 1).ravel().tolist()
 
 
@@ -115,8 +114,7 @@ def make_strip(width: float, count: int, columns: int, slope: float) -> tuple[Fi
     columns = min(columns, max(int(room / NARROWEST), 1))
     rows = -(-count // columns)
     high = float(np.clip(slope * room / columns, 0.4, min(HIGHEST, 1.5 * room / rows)))
-    if callable(_given.get()):
-        figure.set_figheight(rows * (high + 0.4) + BELOW)
+    set_height(figure, rows * (high + 0.4) + BELOW)
     panels = make_panels(figure, rows, columns, sharex=True, sharey=True).ravel().tolist()
     for axes in panels[:count]:
         _set_ticks(axes, min(room / columns, high / slope))
@@ -138,6 +136,22 @@ def width_of(figure: Figure | SubFigure) -> float:
     return float(figure.bbox.width / figure.dpi)
 
 
+def height_of(figure: Figure | SubFigure) -> float:
+    """Height of a figure, or of a part of one [inches]."""
+    return float(figure.bbox.height / figure.dpi)
+
+
+def set_height(figure: Figure, height: float) -> None:
+    """Make a figure this high [inches], unless somebody else has chosen its size."""
+    if callable(_given.get()):
+        figure.set_figheight(height)
+
+
+def add_lines(figure: Figure, lines: int) -> None:
+    """Make a figure higher by so many lines of text."""
+    set_height(figure, height_of(figure) + lines * HEIGHT_OF_LINE * rcParams["font.size"] / 72)
+
+
 def set_title(figure: Figure, words: str) -> None:
     """Give a figure a title, in as many lines as it takes."""
     figure.suptitle(break_lines(words, width_of(figure)))
@@ -153,7 +167,7 @@ def break_lines(words: str, room: float) -> str:
 def label_ordinate(axes: Axes, words: str, rows: int = 1) -> None:
     """Label the ordinate of one of so many rows of axes, in as many lines as it takes."""
     figure = cast(Figure, axes.figure)
-    axes.set_ylabel(break_lines(words, UPRIGHT * figure.bbox.height / figure.dpi / rows))
+    axes.set_ylabel(break_lines(words, UPRIGHT * height_of(figure) / rows))
 
 
 def figure_without_window(**how: Any) -> Figure:
@@ -189,18 +203,16 @@ def add_legend(figure: Figure, handles: Sequence[Artist] | None = None) -> None:
     across = rcParams["font.size"] / 72 * (WIDTH_OF_LETTER * longest + BESIDE_NAME)
     columns = min(max(int(width_of(figure) / across), 1), len(handles))
     lines = -(-len(handles) // columns)
-    if callable(_given.get()):
-        size = rcParams["font.size"] / 72
-        figure.set_figheight(figure.get_figheight() + lines * HEIGHT_OF_LINE * size)
+    add_lines(figure, lines)
     figure.legend(handles=handles, loc="outside lower center", ncols=columns)
 
 
 def _fit_height(figure: Figure, axes: Axes, slope: float) -> None:
     """Make a figure no higher than axes ask for that are as wide as it is and slope times as high,
     unless somebody else has chosen its size."""
-    wide, high = width_of(figure) - BESIDE, figure.bbox.height / figure.dpi - BELOW
-    if callable(_given.get()) and slope * wide < high:
-        figure.set_figheight(slope * wide + BELOW)
+    wide, high = width_of(figure) - BESIDE, height_of(figure) - BELOW
+    if slope * wide < high:
+        set_height(figure, slope * wide + BELOW)
     _set_ticks(axes, min(wide, high / slope))
 
 
@@ -223,6 +235,13 @@ def set_limits(axes: Axes, points: Array, stretch: Array | None = None) -> None:
         _fit_height(cast(Figure, axes.figure), axes, half[1] / half[0])
     else:
         add_remark(axes, "scales of x and y differ")
+
+
+def add_figure_remark(figure: Figure, words: str) -> None:
+    """Add words about all axes of a figure below them, and make it higher by their lines."""
+    broken = break_lines(words, width_of(figure))
+    figure.supxlabel("\n".join(filter(None, (figure.get_supxlabel(), broken))))
+    add_lines(figure, 1 + broken.count("\n"))
 
 
 def add_remark(axes: Axes, words: str) -> None:

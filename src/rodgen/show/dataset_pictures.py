@@ -105,7 +105,8 @@ def describe(data: xarray.Dataset) -> str:
         of = StudyResults.subsample(data)
         failed = of.failures.sum()
         points = f"{data['status'].size} points of {', '.join(of.axes)}"
-        return f"<Results of {of.title}: {points}" + f"; {failed} failed" * bool(failed) + ">"
+        seen = f"; seen: {of.share}" * bool(of.share)
+        return f"<Results of {of.title}: {points}{seen}" + f"; {failed} failed" * bool(failed) + ">"
     title = DISPLAY_OF[data.attrs["format"]].title.format(name=scene_of(data).name, **data.attrs)
     kinds = Counter(mark_of(kind)[1] for kind in data["special_kind"].values)
     special = ", ".join(f"{kind} ({count})" for kind, count in kinds.items())
@@ -176,6 +177,7 @@ def _study_table(data: xarray.Dataset) -> ResultTable:
     rows = [(name, "varied", *_bounds_text(*of.axis_values(name))) for name in of.axes]
     rows += [(of.label(name), "kept", *_bounds_text(*of.values_of(name))) for name in of.kept]
     failed = of.failures.sum()
+    rows += [("points seen", "", of.share, "")] * bool(of.share)
     rows += [("points that failed", "", str(failed), "")] * bool(failed)
     return ResultTable.of_rows(("", "", "least", "largest"), rows)
 

@@ -26,14 +26,16 @@ NAMES = {"stable": {1: "stable", 0: "unstable", -1: "not known"}}
 
 @dataclass(frozen=True)
 class StudyResults:
-    """Results of a study as its pictures need them."""
+    """Results of a study as its pictures need them. one_of: how many points there are for each that
+    they have."""
 
     dataset: Any
+    one_of: int = 1
 
     @classmethod
     def subsample(cls, dataset: Any) -> StudyResults:
         """Leave out every other point, or three of four, along the longest axes where there are
-        more than a picture can show; the title then says so."""
+        more than a picture can show; `share` then says so."""
         steps = {str(dim): 1 for dim in dataset["status"].dims}
         sizes = {dim: int(dataset.sizes[dim]) for dim in steps}
         while math.prod(sizes.values()) > MOST_SHOWN:
@@ -44,7 +46,12 @@ class StudyResults:
         if of == 1:
             return cls(dataset)
         shown = dataset.isel({dim: slice(None, None, step) for dim, step in steps.items()})
-        return cls(shown.assign_attrs(name=f"{cls(dataset).title}: one point of {of}").load())
+        return cls(shown.load(), of)
+
+    @property
+    def share(self) -> str:
+        """Share of the points that they have, in words; "" where that is all."""
+        return f"one point of {self.one_of}" if self.one_of > 1 else ""
 
     @cached_property
     def is_sample(self) -> bool:
