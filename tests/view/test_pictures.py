@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -14,11 +15,13 @@ from rodgen.integrate import Solution
 from rodgen.model.terms import TERMS, axis_label
 from rodgen.scene import Scene
 from rodgen.show import run_pictures
+from rodgen.show.event_marks import force_intervals
 from rodgen.show.marks import draw_by_stability
+from rodgen.show.picture_files import save_figures
+from rodgen.show.picture_settings import PictureSettings
 from rodgen.show.run_pictures import energies, phase_plot, trajectories
 from rodgen.show.summary import summary
 from rodgen.show.time_pictures import (
-    force_intervals,
     moment_map,
     shapes,
     tail_history,
@@ -66,9 +69,46 @@ def test_pictures_say_when_a_force_acts_and_what_happened() -> None:
     assert (start, end) == pytest.approx((0.0, 0.25), abs=0.01)  # between samples
     assert [event.name for event in solution.events] == ["apex"]
     for draw in (energies, moment_map, tail_history, trajectories):
-        said = " ".join(text.get_text() for text in draw(solution).axes[0].texts)
-        assert "follower force" in said
-        assert "apex" in said
+        figure = draw(solution)
+        said = [text.get_text() for text in figure.legends[0].get_texts()]
+        assert any("follower force" in words for words in said)
+        (apex,) = (words for words in said if words.endswith(": apex"))
+        assert apex.partition(":")[0] in {text.get_text() for text in figure.axes[0].texts}
+
+
+@pytest.mark.parametrize("width", [3.3, 7.0])
+def test_words_on_events_lie_over_nothing(tmp_path: Path, width: float) -> None:
+    """Of many events with the longest names, some at almost the same times: numbers stand apart
+    from each other, above time axes, and the legend inside the picture."""
+    heights = [-0.1, -0.1001, -0.1002, -0.5, -1.0, -2.0, *np.linspace(-2.5, -4.5, 12)]
+    events = [
+        {
+            "name": f"place {at} {'of the centre ' * 4}".strip(),
+            "quantity": "centre_of_gravity_y",
+            "value": float(one),
+        }
+        for at, one in enumerate(heights)
+    ]
+    solution = run(g=9.81, events=events, span=[0.0, 1.0])
+    assert len(solution.events) == len(events)
+    seen = []
+
+    def drawn() -> Iterator[tuple[str, Figure]]:
+        for draw in (energies, moment_map, tail_history, trajectories):
+            figure = draw(solution)
+            yield draw.__name__, figure
+            seen.append(draw)
+            figure.draw_without_rendering()
+            boxes = [text.get_window_extent() for text in figure.axes[0].texts]
+            for at, box in enumerate(boxes):
+                assert not any(box.overlaps(other) for other in boxes[at + 1 :])
+                assert box.y0 >= figure.axes[0].bbox.y1 or draw is trajectories
+            inside = figure.legends[0].get_window_extent()
+            assert inside.x0 >= 0
+            assert inside.x1 <= figure.bbox.width
+
+    save_figures(drawn(), tmp_path, PictureSettings("png", width))
+    assert len(seen) == 4
 
 
 def test_energies_are_those_that_there_are_and_that_in_gravity_begins_at_zero() -> None:

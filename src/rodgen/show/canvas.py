@@ -16,6 +16,7 @@ from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.colors import FuncNorm, LinearSegmentedColormap
 from matplotlib.figure import Figure, SubFigure
+from matplotlib.gridspec import SubplotSpec
 from matplotlib.ticker import MaxNLocator
 from numpy.typing import NDArray
 
@@ -149,7 +150,7 @@ def set_height(figure: Figure, height: float) -> None:
 
 def add_lines(figure: Figure, lines: int) -> None:
     """Make a figure higher by so many lines of text."""
-    set_height(figure, height_of(figure) + lines * HEIGHT_OF_LINE * rcParams["font.size"] / 72)
+    set_height(figure, height_of(figure) + lines * letter_size()[1])
 
 
 def set_title(figure: Figure, words: str) -> None:
@@ -159,9 +160,15 @@ def set_title(figure: Figure, words: str) -> None:
 
 def break_lines(words: str, room: float) -> str:
     """Break words into lines that fit a room [inches]; numbers stay with their units."""
-    letters = int(72 * room / (rcParams["font.size"] * WIDTH_OF_LETTER))
+    letters = int(room / letter_size()[0])
     together = re.sub(r"(\d) (?=\S{1,3}(?:\s|[,;]|$))", "\\1\u00a0", words)
     return "\n".join(textwrap.wrap(together, max(letters, 8)))
+
+
+def letter_size() -> tuple[float, float]:
+    """Width of a letter and height of a line [inches]."""
+    size = rcParams["font.size"] / 72
+    return WIDTH_OF_LETTER * size, HEIGHT_OF_LINE * size
 
 
 def label_ordinate(axes: Axes, words: str, rows: int = 1) -> None:
@@ -199,12 +206,13 @@ def add_legend(figure: Figure, handles: Sequence[Artist] | None = None) -> None:
         handles = [one for axes in figure.axes for one in axes.get_legend_handles_labels()[0]]
     if not handles:
         return
-    longest = max(len(str(one.get_label())) for one in handles)
-    across = rcParams["font.size"] / 72 * (WIDTH_OF_LETTER * longest + BESIDE_NAME)
+    beside = BESIDE_NAME * rcParams["font.size"] / 72
+    labels = [break_lines(str(one.get_label()), width_of(figure) - beside) for one in handles]
+    longest = max(len(line) for label in labels for line in label.split("\n"))
+    across = letter_size()[0] * longest + beside
     columns = min(max(int(width_of(figure) / across), 1), len(handles))
-    lines = -(-len(handles) // columns)
-    add_lines(figure, lines)
-    figure.legend(handles=handles, loc="outside lower center", ncols=columns)
+    add_lines(figure, -(-sum(label.count("\n") + 1 for label in labels) // columns))
+    figure.legend(handles, labels, loc="outside lower center", ncols=columns)
 
 
 def _fit_height(figure: Figure, axes: Axes, slope: float) -> None:
@@ -214,6 +222,21 @@ def _fit_height(figure: Figure, axes: Axes, slope: float) -> None:
     if slope * wide < high:
         set_height(figure, slope * wide + BELOW)
     _set_ticks(axes, min(wide, high / slope))
+
+
+def scales_of(axes: Axes) -> Array:
+    """Estimate how large units of the coordinates are drawn (2,) [inches] between the limits that
+    axes have now, with the colour bars that there are."""
+    figure, grid = cast(Figure, axes.figure), cast(SubplotSpec, axes.get_subplotspec())
+    rows, columns = grid.get_gridspec().get_geometry()
+    beside = BESIDE * (1 + len(figure.axes) - rows * columns)
+    room = (width_of(figure) - beside) / columns, (height_of(figure) - BELOW) / rows
+    x, y = np.array(room) / [np.ptp(axes.get_xlim()), np.ptp(axes.get_ylim())]
+    aspect = axes.get_aspect()
+    if isinstance(aspect, float):
+        x = min(x, y / aspect)
+        y = aspect * x
+    return np.array([x, y])
 
 
 def set_limits(axes: Axes, points: Array, stretch: Array | None = None) -> None:

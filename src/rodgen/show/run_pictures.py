@@ -9,7 +9,6 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
@@ -19,10 +18,8 @@ from rodgen.integrate import RunError, Solution
 from rodgen.model.quantities import TURNS
 from rodgen.model.terms import describe
 from rodgen.show.canvas import (
-    BEHIND,
     CENTRE,
     CURVE,
-    FAINT,
     INK,
     LINE,
     PAPER,
@@ -36,12 +33,10 @@ from rodgen.show.canvas import (
     set_title,
 )
 from rodgen.show.envelope import envelope
+from rodgen.show.event_marks import mark_path, mark_times
 from rodgen.show.picture_files import save_figures
 from rodgen.show.picture_settings import FORMATS, PictureSettings
 from rodgen.show.time_pictures import (
-    NAMED,
-    force_intervals,
-    mark_times,
     moment_map,
     shapes,
     start_line,
@@ -189,30 +184,15 @@ def trajectories(solution: Solution) -> Figure:
             rings = [np.interp(times, t, part) for part in path.T]
             axes.plot(*rings, "o", color=colour, markerfacecolor=PAPER, markersize=3.5)
             ringed = True
-    _annotate_path(axes, solution)
     every = f"; rings: every {ticks[1] - ticks[0]:.3g} s" if ringed else ""
     marks = f"dot: start; square: end, after {t[-1] - t[0]:.4g} s{every}"
     axes.set(xlabel="x [m]", ylabel="y [m]")
     add_remark(axes, marks)
     set_title(figure, f"{solution.scene.name}: trajectories")
     set_limits(axes, np.concatenate(list(paths.values())))
+    mark_path(axes, solution)
     add_legend(figure)
     return figure
-
-
-def _annotate_path(axes: Axes, solution: Solution) -> None:
-    """Mark on the path of the centre of gravity where forces begin and end to act, and events."""
-    ends = (solution.t[0], solution.t[-1])
-    said = [(event.t, event.name) for event in solution.events]
-    for term, start, end in force_intervals(solution):
-        said += [(t, f"{term.label} {what}") for t, what in ((start, "begins"), (end, "ends"))]
-    path = solution.centre_of_gravity
-    for t, words in said[:NAMED]:
-        if ends[0] < t < ends[1]:
-            x, y = (float(np.interp(t, solution.t, part)) for part in path.T)
-            axes.plot(x, y, "D", color=FAINT, markersize=4)
-            style: dict[str, Any] = {"color": FAINT, "bbox": BEHIND}
-            axes.annotate(words, (x, y), (7, -3), textcoords="offset points", **style)
 
 
 def energies(solution: Solution) -> Figure:

@@ -1,13 +1,9 @@
 """Pictures of a run over time (tail with its spectrum, bending moments along the rod) and of the
-rod at several times; marks on the time axis: when forces act that do not always act, and events.
-"""
+rod at several times."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-
 import numpy as np
-from matplotlib.axes import Axes
 from matplotlib.cm import ScalarMappable
 from matplotlib.colors import Normalize
 from matplotlib.figure import Figure
@@ -16,15 +12,13 @@ from numpy.typing import NDArray
 from rodgen.analyse.spectrum import UNIFORM, amplitude_spectrum
 from rodgen.arrays import Array, even_indices
 from rodgen.integrate import Solution
-from rodgen.model.term import FORCE, SPREAD, Term
-from rodgen.model.terms import TERMS
 from rodgen.show.canvas import (
     ALONG,
     CURVE,
-    FAINT,
     LINE,
     MOMENTS,
     ROOMY,
+    add_legend,
     add_remark,
     label_ordinate,
     make_axes,
@@ -34,12 +28,12 @@ from rodgen.show.canvas import (
     set_title,
     width_of,
 )
+from rodgen.show.event_marks import mark_times
 from rodgen.show.marks import describe_marks, draw_marks, start_name
 
 WINDOW = "hann"
 FEWEST_SAMPLES = 16  # samples of a spectrum
 MAP_COLUMNS = 1200  # of moments over time: more cannot be told apart
-NAMED = 12  # events with names
 
 SHAPES = 12  # rods drawn in one picture
 FAR_FLIGHT = 20.0  # lengths, beyond which a rod is a dot on its way
@@ -66,6 +60,7 @@ def tail_history(solution: Solution) -> Figure:
     else:
         second.text(0.5, 0.5, "no spectrum: too few samples", ha="center", va="center")
         second.set_axis_off()
+    add_legend(figure)
     return figure
 
 
@@ -106,49 +101,10 @@ def moment_map(solution: Solution) -> Figure:
     )
     along = f"s along the rod (0: {start_name(solution.scene)}, 1: tail)"
     axes.set(xlabel="t [s]", ylabel=along, ylim=(0.0, 1.0))
-    mark_times(axes, solution)
     figure.colorbar(mesh, ax=axes, label="bending moment [N m]")
+    mark_times(axes, solution)
+    add_legend(figure)
     return figure
-
-
-def mark_times(axes: Axes, solution: Solution) -> None:
-    """Mark on a time axis when forces act that do not always act, and when events happened."""
-    for term, start, end in force_intervals(solution):
-        colour = term.colours[0]
-        axes.axvspan(start, end, ymax=0.03, color=colour, alpha=0.7, linewidth=0)
-        axes.annotate(
-            f"{term.label} acts",
-            (start, 0.035),
-            xycoords=("data", "axes fraction"),
-            color=colour,
-        )
-    for event in solution.events:
-        axes.axvline(event.t, color=FAINT, linewidth=0.8, linestyle=":")
-    for event in solution.events[:NAMED]:
-        axes.annotate(
-            f" {event.name}",
-            (event.t, 0.99),
-            xycoords=("data", "axes fraction"),
-            rotation=90,
-            va="top",
-            ha="right",
-            color=FAINT,
-        )
-
-
-def force_intervals(solution: Solution) -> Iterator[tuple[Term, float, float]]:
-    """Yield the forces that act for some of the time, with start and end of each interval [s]."""
-    for name in solution.scene.loads.terms:
-        term = TERMS[name]
-        if term.kind not in (FORCE, SPREAD):
-            continue
-        acts = np.abs(solution.forces[name]).sum(axis=(1, 2)) > 0
-        if acts[1:-1].all() or not acts.any():  # where it grows from zero, it acts throughout
-            continue
-        edges = np.flatnonzero(np.diff(np.concatenate(([0], acts, [0]))))
-        for first, beyond in zip(edges[::2], edges[1::2], strict=True):
-            end = min(int(beyond), len(acts) - 1)
-            yield term, float(solution.t[max(int(first) - 1, 0)]), float(solution.t[end])
 
 
 def shapes(solution: Solution) -> Figure:
