@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 import pytest
 from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
 
 import rodgen
 from rodgen.integrate import Solution
@@ -109,6 +110,29 @@ def test_words_on_events_lie_over_nothing(tmp_path: Path, width: float) -> None:
 
     save_figures(drawn(), tmp_path, PictureSettings("png", width))
     assert len(seen) == 4
+
+
+@pytest.mark.parametrize("name", run_pictures.PICTURES)
+def test_a_picture_of_one_sample_shows_it(swinging: Solution, name: str) -> None:
+    """None has empty axes, and none a scale of times: there is one."""
+    figure = run_pictures.PICTURES[name](swinging.isel(np.array([7])))
+    figure.draw_without_rendering()
+    for axes in figure.axes:
+        assert any(map(_is_seen, axes.lines)) or axes.texts or axes.collections
+        assert not axes.child_axes
+    t = swinging.t[7]
+    if name in ("energy", "tail"):
+        (x,) = {float(x) for line in figure.axes[0].lines for x in line.get_xdata()}
+        assert x == t
+    if name == "moment":
+        dots = figure.axes[0].collections[0]
+        assert np.array_equal(dots.get_array(), swinging.bending_moments[7])
+        assert {*dots.get_offsets()[:, 0]} == {t}
+
+
+def _is_seen(line: Line2D) -> bool:
+    """Whether a line has more than one point, or a mark."""
+    return len(line.get_xdata()) > 1 or line.get_marker() not in ("None", "", None)
 
 
 def test_energies_are_those_that_there_are_and_that_in_gravity_begins_at_zero() -> None:

@@ -126,6 +126,11 @@ def make_strip(width: float, count: int, columns: int, slope: float) -> tuple[Fi
     return figure, panels[:count]
 
 
+def line_or_dot(values: Array) -> str:
+    """Return the style of a curve: a line, or a dot where there is one point of it at most."""
+    return "-" if np.isfinite(values).sum() > 1 else "o"
+
+
 def label_strip(figure: Figure, x: str, y: str, remarks: str = "") -> None:
     """Label the axes of a strip together, with remarks below."""
     figure.supxlabel("\n".join(filter(None, (x, break_lines(remarks, width_of(figure))))))

@@ -12,7 +12,17 @@ from rodgen.arrays import Array
 from rodgen.integrate import Solution
 from rodgen.model.quantities import QUANTITIES, Quantity, numbers
 from rodgen.model.term import typeset
-from rodgen.show.canvas import BEHIND, CURVE, GUIDE, INK, LINE, SPECIAL, make_axes, set_title
+from rodgen.show.canvas import (
+    BEHIND,
+    CURVE,
+    GUIDE,
+    INK,
+    LINE,
+    SPECIAL,
+    line_or_dot,
+    make_axes,
+    set_title,
+)
 from rodgen.show.marks import start_name
 
 SECTION_QUANTITIES = ("bending_moments", "axial_force", "shear_force")
@@ -53,7 +63,7 @@ def _draw_limits(axes: Axes, t: Array, s: Array, values: Array, unit: str) -> No
     axes.axhline(0.0, color=GUIDE, linewidth=0.8)
     axes.fill_between(s, low, high, color=CURVE, alpha=0.15, linewidth=0)
     for limit in (low, high):
-        axes.plot(s, limit, ".-" if len(s) == 1 else "-", color=CURVE, linewidth=LINE)
+        axes.plot(s, limit, line_or_dot(limit), color=CURVE, linewidth=LINE)
     time, place = np.unravel_index(int(np.nanargmax(np.abs(values))), values.shape)
     most = float(values[time, place])
     how: dict[str, Any] = {"clip_on": False, "in_layout": False, "zorder": 3}

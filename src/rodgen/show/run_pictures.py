@@ -28,6 +28,7 @@ from rodgen.show.canvas import (
     TAIL,
     add_legend,
     add_remark,
+    line_or_dot,
     make_axes,
     set_limits,
     set_title,
@@ -73,7 +74,7 @@ def phase_plot(solution: Solution) -> Figure:
         angle, rate = _wrap_angle(angle, rate)
     how: dict[str, Any] = {"linewidth": 0.8, "markersize": 1.5, "rasterized": not joined}
     axes.plot(angle, rate, "-" if joined else ".", color=CURVE, **how)
-    axes.plot(angle[0], rate[0], "o", markersize=4, color=INK, label="start")
+    axes.plot(angle[0], rate[0], "o", markersize=4, color=INK, label="start", zorder=3)
     axes.plot(angle[-1], rate[-1], "s", markersize=5, color=SPECIAL, label="end")
     words = "" if smooth else "lines between samples"
     words = words if joined else "samples, too far apart for a curve"
@@ -186,6 +187,7 @@ def trajectories(solution: Solution) -> Figure:
             ringed = True
     every = f"; rings: every {ticks[1] - ticks[0]:.3g} s" if ringed else ""
     marks = f"dot: start; square: end, after {t[-1] - t[0]:.4g} s{every}"
+    marks = marks if len(t) > 1 else f"squares: at t = {t[0]:.4g} s"
     axes.set(xlabel="x [m]", ylabel="y [m]")
     add_remark(axes, marks)
     set_title(figure, f"{solution.scene.name}: trajectories")
@@ -213,10 +215,11 @@ def energies(solution: Solution) -> Figure:
     # In the order, and so in the colours, of the live view.
     colours = cycle(SERIES)
     for label, values in there:
-        axes.plot(t, values, color=next(colours), label=label, linewidth=LINE)
+        style: dict[str, Any] = {"color": next(colours), "linewidth": LINE}
+        axes.plot(t, values, line_or_dot(values), label=label, **style)
     done = [(name, work) for name, work in solution.work.items() if work.any()]
     for (name, work), dashes in zip(done, cycle(WORK_DASHES), strict=False):
-        style: dict[str, Any] = {"linestyle": dashes, "color": next(colours), "linewidth": LINE}
+        style = {"linestyle": dashes, "color": next(colours), "linewidth": LINE}
         axes.plot(t, work, label=f"work of {describe(name)}", **style)
     mark_times(axes, solution)
     axes.set(ylabel="energy [J]")
@@ -224,7 +227,13 @@ def energies(solution: Solution) -> Figure:
     add_legend(figure)
     error = np.abs(solution.energy_balance)
     if np.any(error > 0):
-        below.semilogy(t, np.where(error > 0, error, np.nan), color=INK, linewidth=0.8)
+        shown = np.where(error > 0, error, np.nan)
+        below.semilogy(t, shown, line_or_dot(shown), color=INK, linewidth=0.8)
+    else:
+        below.text(
+            0.5, 0.5, "none at any time", ha="center", va="center", transform=below.transAxes
+        )
+        below.set_yticks([])
     below.set(xlabel="t [s]", ylabel="|error| [J]")
     return figure
 

@@ -3,6 +3,8 @@ rod at several times."""
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 from matplotlib.cm import ScalarMappable
 from matplotlib.colors import Normalize
@@ -21,6 +23,7 @@ from rodgen.show.canvas import (
     add_legend,
     add_remark,
     label_ordinate,
+    line_or_dot,
     make_axes,
     make_pair,
     moment_norm,
@@ -45,7 +48,7 @@ def tail_history(solution: Solution) -> Figure:
     """Distance of the tail from the line of the rod's start over time, and its spectrum."""
     figure, (first, second) = make_pair(7.4, 3.4)
     signal = solution.values("tail_deflection")
-    first.plot(solution.t, signal, color=CURVE, linewidth=0.8)
+    first.plot(solution.t, signal, line_or_dot(signal), color=CURVE, linewidth=0.8)
     first.set(xlabel="t [s]")
     stacked = 1 + (width_of(figure) < ROOMY)
     label_ordinate(first, f"tail across the {start_line(solution)} [m]", stacked)
@@ -90,18 +93,16 @@ def moment_map(solution: Solution) -> Figure:
         return figure
     limit = float(np.abs(found).max())
     s = np.linspace(0.0, 1.0, found.shape[1])
-    mesh = axes.pcolormesh(
-        solution.t[kept],
-        s,
-        found.T,
-        cmap=MOMENTS,
-        norm=moment_norm(limit),
-        shading="nearest" if len(kept) > 1 else "auto",
-        rasterized=True,
-    )
+    t = solution.t[kept]
+    how: dict[str, Any] = {"cmap": MOMENTS, "norm": moment_norm(limit), "rasterized": True}
+    coloured: ScalarMappable
+    if len(t) > 1:
+        coloured = axes.pcolormesh(t, s, found.T, shading="nearest", **how)
+    else:  # there is no time between samples that an area could have
+        coloured = axes.scatter(np.full(len(s), t[0]), s, c=found[0], clip_on=False, **how)
     along = f"s along the rod (0: {start_name(solution.scene)}, 1: tail)"
     axes.set(xlabel="t [s]", ylabel=along, ylim=(0.0, 1.0))
-    figure.colorbar(mesh, ax=axes, label="bending moment [N m]")
+    figure.colorbar(coloured, ax=axes, label="bending moment [N m]")
     mark_times(axes, solution)
     add_legend(figure)
     return figure
@@ -132,16 +133,15 @@ def shapes(solution: Solution) -> Figure:
     axes.set(xlabel=across)
     add_remark(axes, describe_marks(scene, anchors=not apart))
     set_title(figure, f"{scene.name}: shapes")
-    if len(t) > 1:
-        add_remark(axes, _describe_times(t, solution.t))
+    add_remark(axes, _describe_times(t, solution.t))
     fixed = [] if apart else [(tie.x, tie.y) for tie in scene.anchors.support_points]
     set_limits(axes, np.concatenate((every.reshape(-1, 2), np.reshape(fixed, (-1, 2)))))
     label_ordinate(axes, up)
     if apart:  # as many times as there is room for
         some = slice(None, None, -(-len(t) // int(3 * width_of(figure))))
         axes.set_xticks(places[some], [f"{time:.3g}" for time in t[some]])
-    # A bar beside the axes would be higher than those of a flat rod.
-    figure.colorbar(colours, cax=axes.inset_axes((1.03, 0.0, 0.03, 1.0)), label="t [s]")
+    if len(t) > 1:  # a bar beside the axes would be higher than those of a flat rod
+        figure.colorbar(colours, cax=axes.inset_axes((1.03, 0.0, 0.03, 1.0)), label="t [s]")
     return figure
 
 
@@ -176,6 +176,8 @@ def _interpolation_error(way: Array, samples: NDArray[np.int_]) -> float:
 
 def _describe_times(t: Array, every: Array) -> str:
     """Describe the time between shapes, and the part of the run that they are of."""
+    if len(t) == 1:
+        return f"at t = {t[0]:.4g} s"
     whole = t[0] == every[0] and t[-1] == every[-1]
     part = "" if whole else f"from {t[0]:.4g} to {t[-1]:.4g} s, "
     return f"{part}every {(t[-1] - t[0]) / (len(t) - 1):.3g} s"
