@@ -126,6 +126,12 @@ def make_strip(width: float, count: int, columns: int, slope: float) -> tuple[Fi
     return figure, panels[:count]
 
 
+def leave_empty(axes: Axes, words: str) -> None:
+    """Write into axes why nothing is drawn in them, instead of numbers on an ordinate."""
+    axes.text(0.5, 0.5, words, ha="center", va="center", transform=axes.transAxes)
+    axes.set_yticks([])
+
+
 def line_or_dot(values: Array) -> str:
     """Return the style of a curve: a line, or a dot where there is one point of it at most."""
     return "-" if np.isfinite(values).sum() > 1 else "o"

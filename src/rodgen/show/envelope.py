@@ -19,6 +19,7 @@ from rodgen.show.canvas import (
     INK,
     LINE,
     SPECIAL,
+    leave_empty,
     line_or_dot,
     make_axes,
     set_title,
@@ -40,7 +41,7 @@ def envelope(solution: Solution) -> Figure:
         words = row.name.removesuffix("s").replace("_", "\n")  # lines fit beside a low panel
         axes.set(ylabel=f"{words} [{typeset(row.unit)}]")
     if not there:
-        panels[0].text(0.5, 0.5, "none anywhere, at any time", ha="center", va="center")
+        leave_empty(panels[0], "none anywhere, at any time")
     start = start_name(solution.scene)
     panels[-1].set(xlabel=f"s along the rod (0: {start}, 1: tail)", xlim=(0.0, 1.0))
     set_title(figure, f"{solution.scene.name}: envelope of moments and forces")

@@ -28,6 +28,7 @@ from rodgen.show.canvas import (
     TAIL,
     add_legend,
     add_remark,
+    leave_empty,
     line_or_dot,
     make_axes,
     set_limits,
@@ -230,10 +231,7 @@ def energies(solution: Solution) -> Figure:
         shown = np.where(error > 0, error, np.nan)
         below.semilogy(t, shown, line_or_dot(shown), color=INK, linewidth=0.8)
     else:
-        below.text(
-            0.5, 0.5, "none at any time", ha="center", va="center", transform=below.transAxes
-        )
-        below.set_yticks([])
+        leave_empty(below, "none at any time")
     below.set(xlabel="t [s]", ylabel="|error| [J]")
     return figure
 

@@ -23,6 +23,7 @@ from rodgen.show.canvas import (
     add_legend,
     add_remark,
     label_ordinate,
+    leave_empty,
     line_or_dot,
     make_axes,
     make_pair,
@@ -61,7 +62,7 @@ def tail_history(solution: Solution) -> Figure:
         second.semilogy(frequencies[1:], found[1:], color=CURVE, linewidth=0.8)
         second.set(xlabel=f"frequency [Hz], {WINDOW.capitalize()} window", ylabel="amplitude [m]")
     else:
-        second.text(0.5, 0.5, "no spectrum: too few samples", ha="center", va="center")
+        leave_empty(second, "no spectrum: too few samples")
         second.set_axis_off()
     add_legend(figure)
     return figure
@@ -88,7 +89,7 @@ def moment_map(solution: Solution) -> Figure:
     found = solution.bending_moments[kept]
     set_title(figure, f"{solution.scene.name}: bending moment")
     if not solution.bending_moments.any():  # of a chain
-        axes.text(0.5, 0.5, "none anywhere, at any time", ha="center", va="center")
+        leave_empty(axes, "none anywhere, at any time")
         axes.set_axis_off()
         return figure
     limit = float(np.abs(found).max())
