@@ -146,6 +146,17 @@ def test_energies_are_those_that_there_are_and_that_in_gravity_begins_at_zero() 
         assert line == pytest.approx(due, rel=1e-6, abs=1e-6)
 
 
+def test_the_error_of_energy_has_numbers_at_powers_of_ten_alone(swinging: Solution) -> None:
+    """Even where all of it lies between two of them; those around it are shown."""
+    least = swinging.energy_error
+    assert least > 0
+    end = int(np.argmax(np.abs(swinging.energy_balance))) + 1
+    below = energies(swinging.isel(np.array([0, end - 1]))).axes[1]
+    low, high = below.get_ylim()
+    assert low <= least <= high
+    assert (round(np.log10(low), 9) % 1, round(np.log10(high), 9) % 1) == (0, 0)
+
+
 @pytest.mark.parametrize(("most", "style"), [(1000, "-"), (0, "None")])
 def test_phase_plot_follows_the_motion(
     monkeypatch: pytest.MonkeyPatch, most: int, style: str

@@ -17,7 +17,7 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.colors import FuncNorm, LinearSegmentedColormap
 from matplotlib.figure import Figure, SubFigure
 from matplotlib.gridspec import SubplotSpec
-from matplotlib.ticker import MaxNLocator
+from matplotlib.ticker import MaxNLocator, NullFormatter
 from numpy.typing import NDArray
 
 from rodgen.arrays import Array
@@ -233,6 +233,14 @@ def _fit_height(figure: Figure, axes: Axes, slope: float) -> None:
     if slope * wide < high:
         set_height(figure, slope * wide + BELOW)
     _set_ticks(axes, min(wide, high / slope))
+
+
+def show_decades(axes: Axes, values: Array) -> None:
+    """Set the limits of a logarithmic ordinate to the powers of ten around all values: numbers
+    stand at these alone, as others have no room in a low panel."""
+    low, high = np.floor(np.log10([np.nanmin(values), np.nanmax(values)]))
+    axes.set_ylim(10.0 ** max(low, -300.0), 10.0 ** (high + 1))
+    axes.yaxis.set_minor_formatter(NullFormatter())
 
 
 def scales_of(axes: Axes) -> Array:

@@ -33,6 +33,7 @@ from rodgen.show.canvas import (
     make_axes,
     set_limits,
     set_title,
+    show_decades,
 )
 from rodgen.show.envelope import envelope
 from rodgen.show.event_marks import mark_path, mark_times
@@ -227,9 +228,10 @@ def energies(solution: Solution) -> Figure:
     set_title(figure, f"{solution.scene.name}: energies and work")
     add_legend(figure)
     error = np.abs(solution.energy_balance)
-    if np.any(error > 0):
-        shown = np.where(error > 0, error, np.nan)
+    shown = np.where((error > 0) & np.isfinite(error), error, np.nan)
+    if np.isfinite(shown).any():
         below.semilogy(t, shown, line_or_dot(shown), color=INK, linewidth=0.8)
+        show_decades(below, shown)
     else:
         leave_empty(below, "none at any time")
     below.set(xlabel="t [s]", ylabel="|error| [J]")
