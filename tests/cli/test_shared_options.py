@@ -2,16 +2,18 @@
 
 from __future__ import annotations
 
+import json
 import re
 from pathlib import Path
 from typing import Any
 
+import pytest
 from typer.testing import CliRunner
 
 from rodgen.cli.app import make_app, own_commands
 from rodgen.cli.options import read_scene
 from rodgen.scene import Scene
-from tests.cli.conftest import Run
+from tests.cli.conftest import Run, Write, one_object
 from tests.told import refused
 
 # Commands that draw pictures beside what they print.
@@ -71,6 +73,44 @@ def test_quiet_commands_print_nothing(works: Run, short: Path, tmp_path: Path) -
         assert (done.stdout, done.stderr) == ("", "")
         assert works(command, short, *out).stdout
     assert (tmp_path / "short" / "modes.png").is_file()
+
+
+# What commands that draw are given, and the pictures that they then write, without their endings.
+DRAWN: dict[tuple[str, ...], set[str]] = {
+    ("modes",): {"modes"},
+    ("static",): {"static"},
+    ("static", "--all"): {"equilibria"},
+    ("branch", "--vary", "loads.tip.x", "--bounds", "0,-1"): {"branch"},
+}
+
+
+@pytest.mark.parametrize("command", DRAWN)
+def test_json_has_pictures_only_where_they_are_asked_for(
+    works: Run, column: Write, work: Path, command: tuple[str, ...]
+) -> None:
+    """By --format or --width; the object is the same, and alone on standard output."""
+    given = (command[0], column(), *command[1:])
+    alone = one_object(works(*given, "--json"))
+    for asked, ending in ((("--format", "svg"), "svg"), (("--width", "3.3in"), "png")):
+        done = works(*given, "--json", *asked, "--out", work.parent / ending)
+        assert one_object(done) == alone
+        written = {file.name for file in (work.parent / ending / "rod").iterdir()}
+        assert written == {f"{name}.{ending}" for name in DRAWN[command]}
+        assert all(name in done.stderr for name in written)
+    given = (*given, "--json", "--format", "svg", "--no-pictures")
+    assert one_object(works(*given)) == alone
+
+
+@pytest.mark.compiler
+def test_a_run_in_json_has_pictures_only_where_they_are_asked_for(
+    works: Run, short: Path, tmp_path: Path
+) -> None:
+    for asked in ((), ("--format", "svg")):
+        found = json.loads(works("run", short, "--json", *asked, "--out", tmp_path).stdout)
+        there = {file.name for file in (tmp_path / "short").iterdir()}
+        assert {name.rstrip("/") for name in found["files"]} == there
+        assert any(name.endswith(".svg") for name in there) == bool(asked)
+        assert not any(name.endswith(".png") for name in there)
 
 
 COMPLETED = {

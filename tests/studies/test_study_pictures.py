@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
 from typing import Any
 
@@ -66,16 +67,31 @@ def test_pictures_of_a_grid(tmp_path: Path) -> None:
 
 
 def test_of_too_many_points_some_are_shown(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Every fourth along the longer axis, and the title says that there are more."""
+    """Every fourth along the longer axis, and which share that is."""
     names = tuple(AXES)[1:3]
     whole = dataset(names)
     assert StudyResults.subsample(whole).dataset is whole
     monkeypatch.setattr(study_results, "MOST_SHOWN", 6)
     shown = StudyResults.subsample(whole)
     assert shown.status.shape == (2, 3)
-    assert "4" in shown.title.split()
+    assert (shown.one_of, shown.title) == (4, "study")
     np.testing.assert_array_equal(shown.dataset["last(tip_x)"], whole["last(tip_x)"].values[::4])
     np.testing.assert_array_equal(shown.dataset[names[0]], AXES[names[0]][::4])
+
+
+@pytest.mark.parametrize("count", [1, 2, 3, 4])
+def test_pictures_say_which_share_they_show(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path, count: int
+) -> None:
+    """Also in vectors, which have no title; and only where it is not all."""
+    data = dataset(tuple(AXES)[:count])[["last(tip_x)", "status"]]
+    for most in (data["status"].size, 5):
+        monkeypatch.setattr(study_results, "MOST_SHOWN", most)
+        made = study_pictures.save_study_pictures(data, tmp_path, PictureSettings("svg"))
+        share = StudyResults.subsample(data).share
+        assert bool(share) == (most == 5)
+        for picture in made:
+            assert re.findall(r"one point of \d+", picture.read_text()) == [share] * bool(share)
 
 
 def test_a_sample_is_a_scatter_matrix(tmp_path: Path) -> None:

@@ -2,23 +2,27 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
 
 import rodgen
 from rodgen.integrate import Solution
 from rodgen.model.terms import TERMS, axis_label
 from rodgen.scene import Scene
 from rodgen.show import run_pictures
+from rodgen.show.event_marks import force_intervals
 from rodgen.show.marks import draw_by_stability
+from rodgen.show.picture_files import save_figures
+from rodgen.show.picture_settings import PictureSettings
 from rodgen.show.run_pictures import energies, phase_plot, trajectories
 from rodgen.show.summary import summary
 from rodgen.show.time_pictures import (
-    force_intervals,
     moment_map,
     shapes,
     tail_history,
@@ -66,9 +70,69 @@ def test_pictures_say_when_a_force_acts_and_what_happened() -> None:
     assert (start, end) == pytest.approx((0.0, 0.25), abs=0.01)  # between samples
     assert [event.name for event in solution.events] == ["apex"]
     for draw in (energies, moment_map, tail_history, trajectories):
-        said = " ".join(text.get_text() for text in draw(solution).axes[0].texts)
-        assert "follower force" in said
-        assert "apex" in said
+        figure = draw(solution)
+        said = [text.get_text() for text in figure.legends[0].get_texts()]
+        assert any("follower force" in words for words in said)
+        (apex,) = (words for words in said if words.endswith(": apex"))
+        assert apex.partition(":")[0] in {text.get_text() for text in figure.axes[0].texts}
+
+
+@pytest.mark.parametrize("width", [3.3, 7.0])
+def test_words_on_events_lie_over_nothing(tmp_path: Path, width: float) -> None:
+    """Of many events with the longest names, some at almost the same times: numbers stand apart
+    from each other, above time axes, and the legend inside the picture."""
+    heights = [-0.1, -0.1001, -0.1002, -0.5, -1.0, -2.0, *np.linspace(-2.5, -4.5, 12)]
+    events = [
+        {
+            "name": f"place {at} {'of the centre ' * 4}".strip(),
+            "quantity": "centre_of_gravity_y",
+            "value": float(one),
+        }
+        for at, one in enumerate(heights)
+    ]
+    solution = run(g=9.81, events=events, span=[0.0, 1.0])
+    assert len(solution.events) == len(events)
+    seen = []
+
+    def drawn() -> Iterator[tuple[str, Figure]]:
+        for draw in (energies, moment_map, tail_history, trajectories):
+            figure = draw(solution)
+            yield draw.__name__, figure
+            seen.append(draw)
+            figure.draw_without_rendering()
+            boxes = [text.get_window_extent() for text in figure.axes[0].texts]
+            for at, box in enumerate(boxes):
+                assert not any(box.overlaps(other) for other in boxes[at + 1 :])
+                assert box.y0 >= figure.axes[0].bbox.y1 or draw is trajectories
+            inside = figure.legends[0].get_window_extent()
+            assert inside.x0 >= 0
+            assert inside.x1 <= figure.bbox.width
+
+    save_figures(drawn(), tmp_path, PictureSettings("png", width))
+    assert len(seen) == 4
+
+
+@pytest.mark.parametrize("name", run_pictures.PICTURES)
+def test_a_picture_of_one_sample_shows_it(swinging: Solution, name: str) -> None:
+    """None has empty axes, and none a scale of times: there is one."""
+    figure = run_pictures.PICTURES[name](swinging.isel(np.array([7])))
+    figure.draw_without_rendering()
+    for axes in figure.axes:
+        assert any(map(_is_seen, axes.lines)) or axes.texts or axes.collections
+        assert not axes.child_axes
+    t = swinging.t[7]
+    if name in ("energy", "tail"):
+        (x,) = {float(x) for line in figure.axes[0].lines for x in line.get_xdata()}
+        assert x == t
+    if name == "moment":
+        dots = figure.axes[0].collections[0]
+        assert np.array_equal(dots.get_array(), swinging.bending_moments[7])
+        assert {*dots.get_offsets()[:, 0]} == {t}
+
+
+def _is_seen(line: Line2D) -> bool:
+    """Whether a line has more than one point, or a mark."""
+    return len(line.get_xdata()) > 1 or line.get_marker() not in ("None", "", None)
 
 
 def test_energies_are_those_that_there_are_and_that_in_gravity_begins_at_zero() -> None:
@@ -80,6 +144,17 @@ def test_energies_are_those_that_there_are_and_that_in_gravity_begins_at_zero() 
     for name, due in (("gravity", -fallen), ("kinetic", fallen), ("total", 0 * fallen)):
         (line,) = (line for label, line in drawn if label.startswith(name))
         assert line == pytest.approx(due, rel=1e-6, abs=1e-6)
+
+
+def test_the_error_of_energy_has_numbers_at_powers_of_ten_alone(swinging: Solution) -> None:
+    """Even where all of it lies between two of them; those around it are shown."""
+    least = swinging.energy_error
+    assert least > 0
+    end = int(np.argmax(np.abs(swinging.energy_balance))) + 1
+    below = energies(swinging.isel(np.array([0, end - 1]))).axes[1]
+    low, high = below.get_ylim()
+    assert low <= least <= high
+    assert (round(np.log10(low), 9) % 1, round(np.log10(high), 9) % 1) == (0, 0)
 
 
 @pytest.mark.parametrize(("most", "style"), [(1000, "-"), (0, "None")])

@@ -63,13 +63,14 @@ def boundary(
     if len(given) > len(keys):
         raise InputError("--bounds", bounds, "given once for each number, twice at most")
     ranges = (*given, None, None)[:2]
-    file = None if as_json else out_folder / scene.name / f"{NAME}.nc"
+    file = out_folder / scene.name / f"{NAME}.nc"
     options = {"vary": vary, "bounds": ranges, "step": step, "max_points": max_points, "t": t}
-    begun = find_start(NAME, scene, options, file, resume, point, FORMAT.read)
+    begun = find_start(NAME, scene, options, file, as_json, resume, point, FORMAT.read)
     follow_curve(
         "the boundary",
         f"{scene.name}: boundary of stability",
         file,
+        as_json,
         begun,
         lambda said: stability_boundary(
             scene,

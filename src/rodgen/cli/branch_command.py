@@ -91,8 +91,8 @@ def branch(
         "check_mesh": check_mesh,
     }
     options = {"vary": vary, "branch_point": branch_point, **given, "bounds": between}
-    file = None if as_json else out_folder / scene.name / f"{_file_stem(branch_point)}.nc"
-    begun = find_start("branch", scene, options, file, resume, point, FORMAT.read)
+    file = out_folder / scene.name / f"{_file_stem(branch_point)}.nc"
+    begun = find_start("branch", scene, options, file, as_json, resume, point, FORMAT.read)
 
     def follow(
         said: Callable[[str], None], branch_point: int | None = branch_point
@@ -119,6 +119,7 @@ def branch(
         "the branch",
         f"{scene.name}: branch along {vary}",
         file,
+        as_json,
         begun,
         follow,
         draw_diagram,

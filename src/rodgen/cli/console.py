@@ -31,16 +31,17 @@ err = Console(stderr=True, highlight=False, soft_wrap=True, markup=False)
 
 
 @contextmanager
-def set_output(quiet: bool, pictures: PictureSettings | None) -> Iterator[None]:
-    """Set what is printed and drawn inside; quiet: no bars, lines and tables; pictures: None for
-    none."""
-    token, before, out.quiet = _pictures.set(pictures), out.quiet, quiet
+def set_output(quiet: bool, as_json: bool, pictures: PictureSettings | None) -> Iterator[None]:
+    """Set what is printed and drawn inside; quiet: no bars, lines and tables; as_json: standard
+    output is for one JSON object, lines go to standard error; pictures: None for none."""
+    token, before = _pictures.set(pictures), (out.quiet, out.stderr)
+    out.quiet, out.stderr = quiet, as_json
     try:
         with report_stages_to(lambda _: None) if quiet else nullcontext():
             yield
     finally:
         _pictures.reset(token)
-        out.quiet = before
+        out.quiet, out.stderr = before
 
 
 def picture_settings() -> PictureSettings | None:

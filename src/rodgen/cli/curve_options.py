@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from rodgen.cli.console import out, print_result, show_work, warn, write_picture
+from rodgen.cli.console import out, picture_settings, print_result, show_work, warn, write_picture
 from rodgen.cli.exits import (
     FAILED_RUN,
     INTERRUPTED,
@@ -45,7 +45,8 @@ def find_start(
     command: str,
     scene: Scene,
     options: Mapping[str, Any],
-    file: Path | None,
+    file: Path,
+    as_json: bool,
     resume: Path | None,
     point: int | None,
     read: Callable[[Path], xarray.Dataset],
@@ -53,14 +54,14 @@ def find_start(
     """Find where a command begins by --resume: in its own steps, which a kill has left beside the
     file, else on the curve in the file of --resume.
 
-    options: all that its curve follows from beside the scene; file: that of the curve, None where
-    none is written. Raises InputError; also without --resume where steps were left, which would be
-    lost.
+    options: all that its curve follows from beside the scene; file: that of the curve; as_json:
+    that is not written, nor are its steps. Raises InputError; also without --resume where steps
+    were left, which would be lost.
     """
     from rodgen.analyse.curves.journal import Journal, identity, journal_path
 
     number = point_number(resume, point, "--resume")
-    if file is None:
+    if as_json:
         return CurveStart(None, None if resume is None else read(resume), number)
     path = journal_path(file)
     left = Journal.read(path)
@@ -105,34 +106,35 @@ def file_hash(file: Path) -> str:
 def follow_curve(
     what: str,
     title: str,
-    file: Path | None,
+    file: Path,
+    as_json: bool,
     begun: CurveStart,
     follow: Callable[[Callable[[str], None]], xarray.Dataset],
     draw: Callable[[xarray.Dataset], Figure] | None = None,
     file_stem: Callable[[xarray.Dataset], str] | None = None,
 ) -> None:
-    """Follow a curve and print it: as JSON, or where it goes into a file as a table, and write the
-    file and the picture. Ends with one line where Ctrl-C came, or where the curve ends too early.
+    """Follow a curve and print it, as JSON or as a table, and write the file, but for JSON, and the
+    picture. Ends with one line where Ctrl-C came, or where the curve ends too early.
 
     what: its name in messages; follow: takes a callback, which it tells of every point; draw: by
-    default the picture that its Dataset has; file_stem: stem of the file that is written, by
+    default the picture that its Dataset has; file_stem: stem of the files that are written, by
     default that of the file.
     """
     from rodgen.analyse.curves.curve_datasets import save_curve
 
-    with output_folder(file and file.parent):
+    with output_folder(None if as_json and picture_settings() is None else file.parent):
         data, interrupted = _follow_to_end(what, begun.journal, follow)
-        print_result(title, DatasetResult(data), as_json=file is None)
+        print_result(title, DatasetResult(data), as_json)
+        written = file if file_stem is None else file.with_stem(file_stem(data))
         count = data.sizes["point"]
         kept = f"{count} point{'s' * (count > 1)} printed"
-        if file is not None:
-            written = file if file_stem is None else file.with_stem(file_stem(data))
+        if not as_json:
             kept = f"{count} point{'s' * (count > 1)} in {written}; --resume {file} goes on"
             save_curve(data, written)
             out.print(f"Written: {written}")
-            if not interrupted:
-                _discard(begun.journal)
-                write_picture(lambda: (draw or _draw_dataset)(data), written.parent, written.stem)
+        if not interrupted:
+            _discard(begun.journal)
+            write_picture(lambda: (draw or _draw_dataset)(data), written.parent, written.stem)
         if interrupted:
             fail(f"{what}: {data.attrs['end']}; {kept}", INTERRUPTED)
         if not data.attrs["complete"]:

@@ -89,13 +89,13 @@ def cycle_branch(
     how: dict[str, Any] = {"branch_point": branch_point, "segments": segments}
     how |= {"step": step, "max_points": max_points, "check_mesh": check_mesh}
     name = CYCLES if branch_point is None else f"{CYCLES}_{branch_point}"
-    file = None if as_json else out_folder / scene.name / f"{name}.nc"
+    file = out_folder / scene.name / f"{name}.nc"
     options: dict[str, Any] = {"vary": vary, "bounds": between, **how}
     options |= (
         {"start": file_hash(equilibria), "start_point": point} if equilibria else {"start": start}
     )
     number = None if equilibria else point
-    begun = find_start("cycle-branch", scene, options, file, resume, number, FORMAT.read)
+    begun = find_start("cycle-branch", scene, options, file, as_json, resume, number, FORMAT.read)
     if begun.curve is not None:
         how |= {"resume": begun.curve, "point": begun.point}
     elif equilibria:
@@ -106,6 +106,7 @@ def cycle_branch(
         "the branch of cycles",
         f"{scene.name}: cycles along {vary}",
         file,
+        as_json,
         begun,
         lambda said: continue_cycles(
             scene, vary, between, callback=lambda value: said(f"{vary} = {value:.6g}"), **how

@@ -33,7 +33,7 @@ def nonlinear_mode(
         with show_work("following the mode"):
             found = modes.nonlinear_mode(scene, mode, energy, segments=segments)
         deliver(f"nonlinear mode {mode}", found, {"cycle": "film", "multipliers": "multipliers"})
-        if as_json or picture_settings() is None:
+        if picture_settings() is None:
             return
         from rodgen.show.cycle_pictures import frequency_energy_plot
 

@@ -1,7 +1,8 @@
 """Options of commands: those that several have, what is parsed of them, and their completion.
 
 Some are added when a command is registered: all take --quiet; those that ask for a Scene take
-SCENE, a file, and --set; those with an OutFolder take --no-pictures.
+SCENE, a file, and --set; those with an OutFolder take --no-pictures, --format and --width. With
+--json pictures are drawn only where --format or --width asks for them.
 """
 
 from __future__ import annotations
@@ -10,7 +11,7 @@ import inspect
 import math
 import re
 import tomllib
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from functools import wraps
 from inspect import Parameter
 from pathlib import Path
@@ -65,11 +66,12 @@ Quiet = Annotated[
 ]
 NoPictures = Annotated[bool, typer.Option("--no-pictures", help="Draw no pictures.")]
 PictureFormat = Annotated[
-    str,
+    str | None,
     typer.Option(
         "--format",
         metavar="|".join(FORMATS),
-        help="Format of pictures. Those in vectors have no title, and their text is text.",
+        help=f"Format of pictures, by default {FORMATS[0]}. Those in vectors have no title, and "
+        "their text is text. With --json, pictures are drawn only if --format or --width is given.",
         autocompletion=complete_words(FORMATS),
     ),
 ]
@@ -148,8 +150,8 @@ MostPoints = Annotated[
 ]
 LAST = -1  # the number of a point, if not given
 SCENE, SET, QUIET, NO_PICTURES = "scene", "changes", "quiet", "no_pictures"
-FORMAT, WIDTH = "format", "width"
-DEFAULTS = {SET: None, FORMAT: FORMATS[0], WIDTH: None}  # of the others: False
+FORMAT, WIDTH, JSON = "format", "width", "as_json"
+DEFAULTS = dict.fromkeys((SET, FORMAT, WIDTH))  # of the others: False
 
 
 def parse_bounds(text: str) -> tuple[float | None, float | None]:
@@ -196,12 +198,9 @@ def add_common_options(command: Callable[..., object]) -> Callable[..., object]:
         shared = {name: given.pop(name) for name in added}
         if takes_scene:
             given[SCENE] = read_scene(given[SCENE], shared[SET])
-        pictures = None
-        if draws:  # what is wrong is refused even where nothing is drawn
-            width = None if shared[WIDTH] is None else parse_width(shared[WIDTH])
-            asked = PictureSettings(shared[FORMAT], width)
-            pictures = None if shared[NO_PICTURES] else asked
-        with set_output(shared[QUIET], pictures), print_doubts():
+        as_json = bool(given.get(JSON))
+        pictures = _picture_settings(shared, as_json) if draws else None
+        with set_output(shared[QUIET], as_json, pictures), print_doubts():
             return command(*args, **given)
 
     parameters = [
@@ -215,6 +214,16 @@ def add_common_options(command: Callable[..., object]) -> Callable[..., object]:
     vars(run_command)["__signature__"] = signature.replace(parameters=parameters)
     run_command.__annotations__ = {one.name: one.annotation for one in parameters}
     return run_command
+
+
+def _picture_settings(shared: Mapping[str, Any], as_json: bool) -> PictureSettings | None:
+    """Return how pictures are written, None for none. Raises InputError for what is wrong, even
+    where nothing is drawn."""
+    form, text = shared[FORMAT], shared[WIDTH]
+    width = None if text is None else parse_width(text)
+    settings = PictureSettings(FORMATS[0] if form is None else form, width)
+    asked = not as_json or form is not None or width is not None
+    return settings if asked and not shared[NO_PICTURES] else None
 
 
 def read_scene(path: Path, changes: Sequence[str] | None) -> Scene:

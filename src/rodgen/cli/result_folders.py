@@ -5,11 +5,11 @@ from __future__ import annotations
 import os
 import tempfile
 from collections.abc import Callable, Iterator, Mapping
-from contextlib import contextmanager, suppress
+from contextlib import AbstractContextManager, contextmanager, suppress
 from functools import partial
 from pathlib import Path
 
-from rodgen.cli.console import err, print_result, warn, write_picture
+from rodgen.cli.console import err, picture_settings, print_result, warn, write_picture
 from rodgen.cli.exits import call_at_end
 from rodgen.errors import EmptyPictureError, InputError
 from rodgen.integrate.files.file_layout import RUNNING
@@ -65,16 +65,21 @@ def output_folder(folder: Path | None) -> Iterator[Path]:
         remove_if_empty()
 
 
+def picture_folder(scene: Scene, out_folder: Path) -> AbstractContextManager[Path]:
+    """Return the `output_folder` of a command that writes nothing but pictures of a scene."""
+    return output_folder(None if picture_settings() is None else out_folder / scene.name)
+
+
 @contextmanager
 def delivery(scene: Scene, out_folder: Path, as_json: bool) -> Iterator[Callable[..., None]]:
-    """See that the folder of a scene's results can be written, before they are computed. Gives a
+    """See that the folder of a scene's pictures can be written, before they are computed. Gives a
     function that delivers a result: prints it under a title, or as JSON, and draws its pictures, by
     the names of their files."""
-    with output_folder(None if as_json else out_folder / scene.name) as folder:
+    with picture_folder(scene, out_folder) as folder:
 
         def deliver(title: str, found: Result, pictures: Mapping[str, str]) -> None:
             print_result(f"{scene.name}: {title}", found, as_json)
-            if as_json:
+            if picture_settings() is None:
                 return
             from rodgen.show.appearance import figure_of  # with matplotlib
 

@@ -17,7 +17,7 @@ from rodgen.cli.exits import (
     restore_ctrl_c,
     treat_signals_as_ctrl_c,
 )
-from rodgen.cli.options import OutFolder, complete_words
+from rodgen.cli.options import AsJson, OutFolder, complete_words
 from rodgen.cli.result_folders import (
     check_same_run,
     files_to_replace,
@@ -75,9 +75,7 @@ def run(
     resumed: Annotated[
         bool, typer.Option("--resume", help="Continue the run of SCENE that was stopped.")
     ] = False,
-    as_json: Annotated[
-        bool, typer.Option("--json", help="Print the results as one JSON object.")
-    ] = False,
+    as_json: AsJson = False,
 ) -> None:
     """Integrate SCENE, and write states, pictures and a summary."""
     check_interval(checkpoint, "--checkpoint")

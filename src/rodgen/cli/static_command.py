@@ -2,16 +2,22 @@
 
 from __future__ import annotations
 
+from functools import partial
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from rodgen.cli.console import print_json, print_table, show_work, write_picture
 from rodgen.cli.options import AsJson, AtTime, OutFolder
-from rodgen.cli.result_folders import delivery, output_folder
+from rodgen.cli.result_folders import delivery, picture_folder
 from rodgen.result import ResultTable
 from rodgen.scene import Scene
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+    from rodgen.analyse.statics import Equilibrium
 
 COMPARED = "tip x", "tip y", "tip angle", "stable"  # columns of the list of all equilibria
 
@@ -56,18 +62,22 @@ def _list_equilibria(scene: Scene, t: float | None, out_folder: Path, as_json: b
     """Find, list and draw all equilibria."""
     from rodgen.analyse.branches.deflation import static_equilibria
 
-    with output_folder(None if as_json else out_folder / scene.name) as folder:
+    with picture_folder(scene, out_folder) as folder:
         with show_work("looking for equilibria"):
             found = static_equilibria(scene, t=t)
         if as_json:
             print_json({"equilibria": [one.to_dict() for one in found]})
-            return
-        rows = [
-            (str(at), *(text for name, text in one.tables()[0].rows if name in COMPARED))
-            for at, one in enumerate(found, 1)
-        ]
-        compared = ResultTable.of_rows(("", *COMPARED), rows)
-        print_table(f"{scene.name}: {len(found)} equilibria were found", compared)
-        from rodgen.show.branch_pictures import equilibrium_shapes
+        else:
+            rows = [
+                (str(at), *(text for name, text in one.tables()[0].rows if name in COMPARED))
+                for at, one in enumerate(found, 1)
+            ]
+            compared = ResultTable.of_rows(("", *COMPARED), rows)
+            print_table(f"{scene.name}: {len(found)} equilibria were found", compared)
+        write_picture(partial(_draw, found, scene), folder, "equilibria")
 
-        write_picture(lambda: equilibrium_shapes(found, scene), folder, "equilibria")
+
+def _draw(found: list[Equilibrium], scene: Scene) -> Figure:
+    from rodgen.show.branch_pictures import equilibrium_shapes
+
+    return equilibrium_shapes(found, scene)

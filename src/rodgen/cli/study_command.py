@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from rodgen.cli.console import err, out, picture_settings, print_json, print_result, show_work
+from rodgen.cli.console import out, picture_settings, print_json, print_result, show_work
 from rodgen.cli.exits import (
     BAD_INPUT,
     FAILED_RUN,
@@ -114,7 +114,7 @@ def study(
             adaptive=adaptive,
             by=by,
             yes=yes,
-            said=err.print if as_json else out.print,
+            said=out.print,
         )
     except StudyError as error:
         why, status = str(error), FAILED_RUN

@@ -38,7 +38,7 @@ from rodgen.show.marks import describe_marks, draw_marks
 PANELS = 6  # modes drawn
 AMPLITUDE = 0.1  # of the length
 PHASES = 8  # of a mode whose joints do not move in step
-SMALL, SEEN = 0.05, 0.2  # of the length: displacements drawn larger, and up to where
+SMALL_BEND, SEEN_BEND = 0.05, 0.2  # of the length: displacements drawn larger, and up to where
 ARROW = 0.14  # of the length
 ASIDE = 0.06  # of the length, by which arrows of gravity stand beside a rod that hangs
 WEIGHTS = 9  # arrows of what acts along the rod
@@ -141,8 +141,8 @@ def _choose_stretch(straight: Array, joints: Array) -> Array:
     along = np.abs(straight[-1] - straight[0])
     bent = float(np.linalg.norm(joints - straight, axis=1).max() / along.max())
     stretch = np.ones(2)
-    if along.min() < 1e-9 * along.max() and 1e-12 < bent < SMALL:
-        stretch[along.argmin()] = 10.0 ** np.floor(np.log10(SEEN / bent))
+    if along.min() < 1e-9 * along.max() and 1e-12 < bent < SMALL_BEND:
+        stretch[along.argmin()] = 10.0 ** np.floor(np.log10(SEEN_BEND / bent))
     return stretch
 
 

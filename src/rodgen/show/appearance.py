@@ -27,7 +27,7 @@ from rodgen.show.canvas import draw_into
 from rodgen.show.style import style
 from rodgen.show.summary import scene_table
 
-DOTS_PER_INCH = 110  # of pictures in notebooks: letters as large as the text around them
+NOTEBOOK_DPI = 110  # of pictures in notebooks: letters as large as the text around them
 
 
 @cache
@@ -103,7 +103,7 @@ def compose_html(
 
 def _image_html(figure: Figure, words: str) -> str:
     file = BytesIO()
-    figure.savefig(file, format="png", dpi=DOTS_PER_INCH)
+    figure.savefig(file, format="png", dpi=NOTEBOOK_DPI)
     data = base64.b64encode(file.getvalue()).decode()
     return f'<img alt="{escape(words)}" src="data:image/png;base64,{data}">'
 

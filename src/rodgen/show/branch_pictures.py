@@ -20,6 +20,7 @@ from rodgen.show.canvas import (
     CURVE,
     INK,
     LINE,
+    LOG_RATIO,
     SERIES,
     SPECIAL,
     add_legend,
@@ -40,7 +41,7 @@ if TYPE_CHECKING:
     import xarray
 
 STEEP = 5.0  # largest over least load, from which on their axis is logarithmic
-WIDE, WIDEST = 1e3, 1e4  # largest over least damping: logarithmic, and how far at most
+WIDEST = 1e4  # largest over least damping of an axis
 FLAT = 1e-9  # of the length: what moves less does not
 
 
@@ -124,7 +125,7 @@ def boundary_curve(data: xarray.Dataset, scene: Scene) -> Figure:
         upper.annotate(kind, (place[1 - up], place[up]), **beside)
     lower.plot(x, frequency, color=CURVE, linewidth=LINE)
     positive = x[x > 0]
-    if _is_damping(names[1 - up]) and len(positive) and positive.max() > WIDE * positive.min():
+    if _is_damping(names[1 - up]) and len(positive) and positive.max() > LOG_RATIO * positive.min():
         least = max(float(positive.min()), float(positive.max()) / WIDEST)
         upper.set_xscale("symlog", linthresh=least, linscale=0.6)
         powers = 10.0 ** np.arange(np.ceil(np.log10(least)), np.ceil(np.log10(positive.max())) + 1)

@@ -16,7 +16,8 @@ from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.colors import FuncNorm, LinearSegmentedColormap
 from matplotlib.figure import Figure, SubFigure
-from matplotlib.ticker import MaxNLocator
+from matplotlib.gridspec import SubplotSpec
+from matplotlib.ticker import MaxNLocator, NullFormatter
 from numpy.typing import NDArray
 
 from rodgen.arrays import Array
@@ -49,6 +50,7 @@ BESIDE, BELOW = 0.9, 1.0  # inches beside axes, and above and below them, for la
 NARROWEST, HIGHEST = 0.75, 4.0  # inches: of small axes in a strip
 UPRIGHT = 0.7  # of the height of a row: room for the label of an ordinate
 ROOMY = 5.0  # inches: of a figure that has room for two axes beside each other
+LOG_RATIO = 1e3  # largest over least value, from which axes and colours go by the logarithm
 
 
 def moment_norm(limit: float) -> FuncNorm:
@@ -83,8 +85,7 @@ def make_pair(width: float, height: float) -> tuple[Figure, list[Axes]]:
     figure = make_figure(width, height)
     if width_of(figure) >= ROOMY:
         return figure, make_panels(figure, 1, 2).ravel().tolist()
-    if callable(_given.get()):
-        figure.set_figheight(width_of(figure))
+    set_height(figure, width_of(figure))
     return figure, make_panels(figure, 2, 1).ravel().tolist()
 
 
@@ -114,8 +115,7 @@ def make_strip(width: float, count: int, columns: int, slope: float) -> tuple[Fi
     columns = min(columns, max(int(room / NARROWEST), 1))
     rows = -(-count // columns)
     high = float(np.clip(slope * room / columns, 0.4, min(HIGHEST, 1.5 * room / rows)))
-    if callable(_given.get()):
-        figure.set_figheight(rows * (high + 0.4) + BELOW)
+    set_height(figure, rows * (high + 0.4) + BELOW)
     panels = make_panels(figure, rows, columns, sharex=True, sharey=True).ravel().tolist()
     for axes in panels[:count]:
         _set_ticks(axes, min(room / columns, high / slope))
@@ -124,6 +124,17 @@ def make_strip(width: float, count: int, columns: int, slope: float) -> tuple[Fi
         above = panels[panels.index(axes) - columns]
         above.tick_params("x", labelbottom=True)
     return figure, panels[:count]
+
+
+def leave_empty(axes: Axes, words: str) -> None:
+    """Write into axes why nothing is drawn in them, instead of numbers on an ordinate."""
+    axes.text(0.5, 0.5, words, ha="center", va="center", transform=axes.transAxes)
+    axes.set_yticks([])
+
+
+def line_or_dot(values: Array) -> str:
+    """Return the style of a curve: a line, or a dot where there is one point of it at most."""
+    return "-" if np.isfinite(values).sum() > 1 else "o"
 
 
 def label_strip(figure: Figure, x: str, y: str, remarks: str = "") -> None:
@@ -137,6 +148,22 @@ def width_of(figure: Figure | SubFigure) -> float:
     return float(figure.bbox.width / figure.dpi)
 
 
+def height_of(figure: Figure | SubFigure) -> float:
+    """Height of a figure, or of a part of one [inches]."""
+    return float(figure.bbox.height / figure.dpi)
+
+
+def set_height(figure: Figure, height: float) -> None:
+    """Make a figure this high [inches], unless somebody else has chosen its size."""
+    if callable(_given.get()):
+        figure.set_figheight(height)
+
+
+def add_lines(figure: Figure, lines: int) -> None:
+    """Make a figure higher by so many lines of text."""
+    set_height(figure, height_of(figure) + lines * letter_size()[1])
+
+
 def set_title(figure: Figure, words: str) -> None:
     """Give a figure a title, in as many lines as it takes."""
     figure.suptitle(break_lines(words, width_of(figure)))
@@ -144,15 +171,21 @@ def set_title(figure: Figure, words: str) -> None:
 
 def break_lines(words: str, room: float) -> str:
     """Break words into lines that fit a room [inches]; numbers stay with their units."""
-    letters = int(72 * room / (rcParams["font.size"] * WIDTH_OF_LETTER))
+    letters = int(room / letter_size()[0])
     together = re.sub(r"(\d) (?=\S{1,3}(?:\s|[,;]|$))", "\\1\u00a0", words)
     return "\n".join(textwrap.wrap(together, max(letters, 8)))
+
+
+def letter_size() -> tuple[float, float]:
+    """Width of a letter and height of a line [inches]."""
+    size = rcParams["font.size"] / 72
+    return WIDTH_OF_LETTER * size, HEIGHT_OF_LINE * size
 
 
 def label_ordinate(axes: Axes, words: str, rows: int = 1) -> None:
     """Label the ordinate of one of so many rows of axes, in as many lines as it takes."""
     figure = cast(Figure, axes.figure)
-    axes.set_ylabel(break_lines(words, UPRIGHT * figure.bbox.height / figure.dpi / rows))
+    axes.set_ylabel(break_lines(words, UPRIGHT * height_of(figure) / rows))
 
 
 def figure_without_window(**how: Any) -> Figure:
@@ -184,23 +217,45 @@ def add_legend(figure: Figure, handles: Sequence[Artist] | None = None) -> None:
         handles = [one for axes in figure.axes for one in axes.get_legend_handles_labels()[0]]
     if not handles:
         return
-    longest = max(len(str(one.get_label())) for one in handles)
-    across = rcParams["font.size"] / 72 * (WIDTH_OF_LETTER * longest + BESIDE_NAME)
+    beside = BESIDE_NAME * rcParams["font.size"] / 72
+    labels = [break_lines(str(one.get_label()), width_of(figure) - beside) for one in handles]
+    longest = max(len(line) for label in labels for line in label.split("\n"))
+    across = letter_size()[0] * longest + beside
     columns = min(max(int(width_of(figure) / across), 1), len(handles))
-    lines = -(-len(handles) // columns)
-    if callable(_given.get()):
-        size = rcParams["font.size"] / 72
-        figure.set_figheight(figure.get_figheight() + lines * HEIGHT_OF_LINE * size)
-    figure.legend(handles=handles, loc="outside lower center", ncols=columns)
+    add_lines(figure, -(-sum(label.count("\n") + 1 for label in labels) // columns))
+    figure.legend(handles, labels, loc="outside lower center", ncols=columns)
 
 
 def _fit_height(figure: Figure, axes: Axes, slope: float) -> None:
     """Make a figure no higher than axes ask for that are as wide as it is and slope times as high,
     unless somebody else has chosen its size."""
-    wide, high = width_of(figure) - BESIDE, figure.bbox.height / figure.dpi - BELOW
-    if callable(_given.get()) and slope * wide < high:
-        figure.set_figheight(slope * wide + BELOW)
+    wide, high = width_of(figure) - BESIDE, height_of(figure) - BELOW
+    if slope * wide < high:
+        set_height(figure, slope * wide + BELOW)
     _set_ticks(axes, min(wide, high / slope))
+
+
+def show_decades(axes: Axes, values: Array) -> None:
+    """Set the limits of a logarithmic ordinate to the powers of ten around all values: numbers
+    stand at these alone, as others have no room in a low panel."""
+    low, high = np.floor(np.log10([np.nanmin(values), np.nanmax(values)]))
+    axes.set_ylim(10.0 ** max(low, -300.0), 10.0 ** (high + 1))
+    axes.yaxis.set_minor_formatter(NullFormatter())
+
+
+def scales_of(axes: Axes) -> Array:
+    """Estimate how large units of the coordinates are drawn (2,) [inches] between the limits that
+    axes have now, with the colour bars that there are."""
+    figure, grid = cast(Figure, axes.figure), cast(SubplotSpec, axes.get_subplotspec())
+    rows, columns = grid.get_gridspec().get_geometry()
+    beside = BESIDE * (1 + len(figure.axes) - rows * columns)
+    room = (width_of(figure) - beside) / columns, (height_of(figure) - BELOW) / rows
+    x, y = np.array(room) / [np.ptp(axes.get_xlim()), np.ptp(axes.get_ylim())]
+    aspect = axes.get_aspect()
+    if isinstance(aspect, float):
+        x = min(x, y / aspect)
+        y = aspect * x
+    return np.array([x, y])
 
 
 def set_limits(axes: Axes, points: Array, stretch: Array | None = None) -> None:
@@ -222,6 +277,13 @@ def set_limits(axes: Axes, points: Array, stretch: Array | None = None) -> None:
         _fit_height(cast(Figure, axes.figure), axes, half[1] / half[0])
     else:
         add_remark(axes, "scales of x and y differ")
+
+
+def add_figure_remark(figure: Figure, words: str) -> None:
+    """Add words about all axes of a figure below them, and make it higher by their lines."""
+    broken = break_lines(words, width_of(figure))
+    figure.supxlabel("\n".join(filter(None, (figure.get_supxlabel(), broken))))
+    add_lines(figure, 1 + broken.count("\n"))
 
 
 def add_remark(axes: Axes, words: str) -> None:

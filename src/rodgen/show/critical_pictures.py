@@ -18,7 +18,7 @@ from rodgen.model.term import typeset
 from rodgen.show.canvas import CURVE, FAINT, LINE, SPECIAL, make_axes, set_title
 
 FORCES = 400  # at which eigenvalues are computed
-BEYOND = 0.3  # of the critical force, that the curves go on
+BEYOND_CRITICAL = 0.3  # of the critical force, that the curves go on
 NEAR = 0.1  # of the critical force, up to where growth fills the picture
 
 
@@ -28,7 +28,7 @@ def stability_curves(found: Critical) -> Figure:
     speed = found.speed if scene.boundary_condition.translates else None
     family = load_family(scene, found.t, speed, load=found.load)
     start = min(0.0, found.searched[0])
-    beyond = found.value + BEYOND * max(abs(found.value), family.unit * (not found.value))
+    beyond = found.value + BEYOND_CRITICAL * max(abs(found.value), family.unit * (not found.value))
     forces, s = _eigenvalue_curves(family, start, beyond, found)
     s = connect_curves(s)
     frequency = np.where(s.imag < 0, np.nan, s.imag) / (2 * np.pi)  # of each pair, one

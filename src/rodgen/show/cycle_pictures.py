@@ -39,8 +39,8 @@ if TYPE_CHECKING:
     import xarray
 
 FRAMES = 8  # of a film strip
-TRAIL = 4  # earlier shapes behind each
-MARGIN = 0.06  # of the largest side, around the shapes
+TRAIL_SHAPES = 4  # earlier shapes behind each
+STRIP_MARGIN = 0.06  # of the largest side, around the shapes
 INSIDE = 1.25  # what is drawn of the plane, at least
 
 
@@ -51,7 +51,7 @@ def film_strip(cycle: Cycle) -> Figure:
     if is_free:
         joints = joints - cycle.motion.centre_of_gravity[:, None]
     low, high = joints.min(axis=(0, 1)), joints.max(axis=(0, 1))
-    room = MARGIN * max(high - low)
+    room = STRIP_MARGIN * max(high - low)
     low, high = low - room, high + room
     width, height = high - low
     columns = FRAMES if height > 1.5 * width else FRAMES // 2
@@ -59,8 +59,8 @@ def film_strip(cycle: Cycle) -> Figure:
     step = (len(joints) - 1) // FRAMES
     for frame, axes in enumerate(panels):
         at = frame * step
-        for back in range(TRAIL, 0, -1):
-            before = (at - back * step // TRAIL) % (len(joints) - 1)
+        for back in range(TRAIL_SHAPES, 0, -1):
+            before = (at - back * step // TRAIL_SHAPES) % (len(joints) - 1)
             axes.plot(*joints[before].T, "-", color=ROD, alpha=0.7 - 0.14 * back, linewidth=0.8)
         axes.plot(*joints[at].T, "-", color=ROD, linewidth=LINE)
         draw_marks(axes, scene, joints[at], ROD)

@@ -62,12 +62,12 @@ DISPLAYS = (
         nonlinear_modes.FORMAT, "mode", "Nonlinear mode {mode} of {name}", frequency_energy_plot
     ),
 )
-CURVES = {one.format.name: one for one in DISPLAYS}  # by the attribute `format` of the Dataset
+DISPLAY_OF = {one.format.name: one for one in DISPLAYS}  # by the attribute `format` of the Dataset
 
 
 def is_known(data: xarray.Dataset) -> bool:
     """Whether a Dataset was made by rodgen, and is whole."""
-    if data.attrs.get("format") in CURVES:
+    if data.attrs.get("format") in DISPLAY_OF:
         return {"point", "special"} <= set(data.dims) and "special_kind" in data
     return _is_study(data)
 
@@ -86,9 +86,9 @@ def _pictures(data: xarray.Dataset) -> Mapping[str, Callable[[], Figure]]:
     if _is_study(data):
         return pictures_of(data)
     form = data.attrs.get("format")
-    if form not in CURVES:
-        raise InputError("data", form, f"a Dataset of one of the formats {', '.join(CURVES)}")
-    curve = CURVES[form]
+    if form not in DISPLAY_OF:
+        raise InputError("data", form, f"a Dataset of one of the formats {', '.join(DISPLAY_OF)}")
+    curve = DISPLAY_OF[form]
     return {curve.name: partial(curve.draw, data, scene_of(data))}
 
 
@@ -105,8 +105,9 @@ def describe(data: xarray.Dataset) -> str:
         of = StudyResults.subsample(data)
         failed = of.failures.sum()
         points = f"{data['status'].size} points of {', '.join(of.axes)}"
-        return f"<Results of {of.title}: {points}" + f"; {failed} failed" * bool(failed) + ">"
-    title = CURVES[data.attrs["format"]].title.format(name=scene_of(data).name, **data.attrs)
+        seen = f"; seen: {of.share}" * bool(of.share)
+        return f"<Results of {of.title}: {points}{seen}" + f"; {failed} failed" * bool(failed) + ">"
+    title = DISPLAY_OF[data.attrs["format"]].title.format(name=scene_of(data).name, **data.attrs)
     kinds = Counter(mark_of(kind)[1] for kind in data["special_kind"].values)
     special = ", ".join(f"{kind} ({count})" for kind, count in kinds.items())
     return f"<{title}: {data.sizes['point']} points" + f"; special: {special}" * bool(special) + ">"
@@ -129,7 +130,7 @@ def tables(data: xarray.Dataset) -> list[ResultTable]:
         return []
     if _is_study(data):
         return [_study_table(data)]
-    rows = CURVES[data.attrs["format"]].format.rows
+    rows = DISPLAY_OF[data.attrs["format"]].format.rows
     values = {"points": str(data.sizes["point"])}
     for row in rows:
         values |= _curve_rows(data, row)
@@ -176,6 +177,7 @@ def _study_table(data: xarray.Dataset) -> ResultTable:
     rows = [(name, "varied", *_bounds_text(*of.axis_values(name))) for name in of.axes]
     rows += [(of.label(name), "kept", *_bounds_text(*of.values_of(name))) for name in of.kept]
     failed = of.failures.sum()
+    rows += [("points seen", "", of.share, "")] * bool(of.share)
     rows += [("points that failed", "", str(failed), "")] * bool(failed)
     return ResultTable.of_rows(("", "", "least", "largest"), rows)
 

@@ -12,17 +12,28 @@ from rodgen.arrays import Array
 from rodgen.integrate import Solution
 from rodgen.model.quantities import QUANTITIES, Quantity, numbers
 from rodgen.model.term import typeset
-from rodgen.show.canvas import BEHIND, CURVE, GUIDE, INK, LINE, SPECIAL, make_axes, set_title
+from rodgen.show.canvas import (
+    BEHIND,
+    CURVE,
+    GUIDE,
+    INK,
+    LINE,
+    SPECIAL,
+    leave_empty,
+    line_or_dot,
+    make_axes,
+    set_title,
+)
 from rodgen.show.marks import start_name
 
-SHOWN = ("bending_moments", "axial_force", "shear_force")
+SECTION_QUANTITIES = ("bending_moments", "axial_force", "shear_force")
 
 
 def envelope(solution: Solution) -> Figure:
     """Least and largest bending moment, axial force and shear force along the rod, of all samples,
     with the largest of each and its time."""
-    rows = {one.name: one for one in QUANTITIES if one.name in SHOWN}
-    there = [(rows[name], *_along(solution, rows[name])) for name in SHOWN]
+    rows = {one.name: one for one in QUANTITIES if one.name in SECTION_QUANTITIES}
+    there = [(rows[name], *_along(solution, rows[name])) for name in SECTION_QUANTITIES]
     there = [row for row in there if row[1].size and row[2].any()]
     figure, panels = make_axes(6.0, 1.0 + 1.8 * max(len(there), 1), max(len(there), 1), sharex=True)
     for axes, (row, s, values) in zip(panels, there, strict=False):
@@ -30,7 +41,7 @@ def envelope(solution: Solution) -> Figure:
         words = row.name.removesuffix("s").replace("_", "\n")  # lines fit beside a low panel
         axes.set(ylabel=f"{words} [{typeset(row.unit)}]")
     if not there:
-        panels[0].text(0.5, 0.5, "none anywhere, at any time", ha="center", va="center")
+        leave_empty(panels[0], "none anywhere, at any time")
     start = start_name(solution.scene)
     panels[-1].set(xlabel=f"s along the rod (0: {start}, 1: tail)", xlim=(0.0, 1.0))
     set_title(figure, f"{solution.scene.name}: envelope of moments and forces")
@@ -53,7 +64,7 @@ def _draw_limits(axes: Axes, t: Array, s: Array, values: Array, unit: str) -> No
     axes.axhline(0.0, color=GUIDE, linewidth=0.8)
     axes.fill_between(s, low, high, color=CURVE, alpha=0.15, linewidth=0)
     for limit in (low, high):
-        axes.plot(s, limit, ".-" if len(s) == 1 else "-", color=CURVE, linewidth=LINE)
+        axes.plot(s, limit, line_or_dot(limit), color=CURVE, linewidth=LINE)
     time, place = np.unravel_index(int(np.nanargmax(np.abs(values))), values.shape)
     most = float(values[time, place])
     how: dict[str, Any] = {"clip_on": False, "in_layout": False, "zorder": 3}

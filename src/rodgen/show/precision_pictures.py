@@ -52,7 +52,7 @@ PEERS = {
     "Pinocchio": "p",
 }
 OTHERS = ("<", ">", "d")
-DASHES = ((4, 2), (1.5, 1.5), (6, 2, 1, 2), (3, 1, 1, 1, 1, 1))
+PEER_DASHES = ((4, 2), (1.5, 1.5), (6, 2, 1, 2), (3, 1, 1, 1, 1, 1))
 RAISED = str.maketrans(
     "-0123456789", "\u207b\u2070\u00b9\u00b2\u00b3\u2074\u2075\u2076\u2077\u2078\u2079"
 )
@@ -64,7 +64,7 @@ MEASURES = {
     "error_modes": "largest error of the lowest modes [rad]",
     "error_energy": "largest error of the energy [of its scale]",
 }
-LARGEST, SMALLEST = 10.0, 1e-17  # errors that are drawn
+LARGEST_ERROR, SMALLEST_ERROR = 10.0, 1e-17  # errors that are drawn
 
 
 def line_style(row: Measurement) -> dict[str, Any]:
@@ -78,7 +78,7 @@ def line_style(row: Measurement) -> dict[str, Any]:
         style |= {} if target != "numpy" else {"markerfacecolor": "none", "linewidth": 0.9}
     else:
         mark = PEERS.get(who, OTHERS[_stable_hash(who) % len(OTHERS)])
-        dashes = (0, DASHES[_stable_hash(method + target) % len(DASHES)])
+        dashes = (0, PEER_DASHES[_stable_hash(method + target) % len(PEER_DASHES)])
         style = {"color": FAINT, "linestyle": dashes, "linewidth": 1.0, "zorder": 2.5}
     return style | {"marker": mark, "markersize": 3.8}
 
@@ -160,12 +160,12 @@ def drawable_rows(rows: Sequence[Measurement], measure: str, cost: str) -> list[
         for row in rows
         if has_result(row)
         and read_number(row, cost) > 0
-        and 0 <= read_number(row, measure) <= LARGEST
+        and 0 <= read_number(row, measure) <= LARGEST_ERROR
     ]
 
 
 def _error(row: Measurement, measure: str) -> float:
-    return max(read_number(row, measure), SMALLEST)
+    return max(read_number(row, measure), SMALLEST_ERROR)
 
 
 def draw_lines(

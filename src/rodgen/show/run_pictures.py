@@ -9,7 +9,6 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
@@ -19,10 +18,8 @@ from rodgen.integrate import RunError, Solution
 from rodgen.model.quantities import TURNS
 from rodgen.model.terms import describe
 from rodgen.show.canvas import (
-    BEHIND,
     CENTRE,
     CURVE,
-    FAINT,
     INK,
     LINE,
     PAPER,
@@ -31,17 +28,18 @@ from rodgen.show.canvas import (
     TAIL,
     add_legend,
     add_remark,
+    leave_empty,
+    line_or_dot,
     make_axes,
     set_limits,
     set_title,
+    show_decades,
 )
 from rodgen.show.envelope import envelope
+from rodgen.show.event_marks import mark_path, mark_times
 from rodgen.show.picture_files import save_figures
 from rodgen.show.picture_settings import FORMATS, PictureSettings
 from rodgen.show.time_pictures import (
-    NAMED,
-    force_intervals,
-    mark_times,
     moment_map,
     shapes,
     start_line,
@@ -50,11 +48,11 @@ from rodgen.show.time_pictures import (
 
 LONG = 10.0  # sides of its picture, beyond which a path goes to and fro: thin, without rings
 RINGS = 10  # steps between them, at most
-DASHES = (0, (4, 2)), (0, (4, 2, 1, 2)), (0, (1, 1))  # of works
-LARGEST = 1e12  # of any state: beyond, nothing of the picture can be read
+WORK_DASHES = (0, (4, 2)), (0, (4, 2, 1, 2)), (0, (1, 1))  # of works
+LARGEST_DRAWN = 1e12  # of any state: beyond, nothing of the picture can be read
 
 BEND = np.cos(np.radians(12))  # of a turn from line to line, beyond which it is seen as a corner
-SEEN = 0.004  # of the picture: the longer line at a corner that is seen
+SEEN_CORNER = 0.004  # of the picture: the longer line at a corner that is seen
 SHARP, MOST_SHARP = 0.5, 0.25  # cosine of a turn of 60 degrees; share of turns beyond in a curve
 PARTS, ROUNDS = 4, 3  # into which a step is divided where the curve has a corner; how often
 MOST = 2000  # steps that are divided at a time: each costs up to a millisecond
@@ -78,7 +76,7 @@ def phase_plot(solution: Solution) -> Figure:
         angle, rate = _wrap_angle(angle, rate)
     how: dict[str, Any] = {"linewidth": 0.8, "markersize": 1.5, "rasterized": not joined}
     axes.plot(angle, rate, "-" if joined else ".", color=CURVE, **how)
-    axes.plot(angle[0], rate[0], "o", markersize=4, color=INK, label="start")
+    axes.plot(angle[0], rate[0], "o", markersize=4, color=INK, label="start", zorder=3)
     axes.plot(angle[-1], rate[-1], "s", markersize=5, color=SPECIAL, label="end")
     words = "" if smooth else "lines between samples"
     words = words if joined else "samples, too far apart for a curve"
@@ -96,7 +94,7 @@ def _refine(solution: Solution) -> tuple[Solution, bool]:
     shown = solution
     for _ in range(ROUNDS):
         cosines, lengths = _turn_cosines(*_position_and_rate(shown))
-        corners = np.flatnonzero((cosines < BEND) & (lengths > SEEN))
+        corners = np.flatnonzero((cosines < BEND) & (lengths > SEEN_CORNER))
         steps = np.union1d(corners, corners + 1)  # before and after
         if not len(steps):
             return shown, True
@@ -165,7 +163,7 @@ def save_pictures(solution: Solution, folder: Path, settings: PictureSettings) -
 
 def drawable_part(solution: Solution) -> Solution:
     """Return the run before it blew up, without samples where it did so at once."""
-    beyond = np.flatnonzero(np.abs(solution.y).max(axis=1) > LARGEST)
+    beyond = np.flatnonzero(np.abs(solution.y).max(axis=1) > LARGEST_DRAWN)
     return solution.head(int(beyond[0])) if len(beyond) else solution
 
 
@@ -189,30 +187,16 @@ def trajectories(solution: Solution) -> Figure:
             rings = [np.interp(times, t, part) for part in path.T]
             axes.plot(*rings, "o", color=colour, markerfacecolor=PAPER, markersize=3.5)
             ringed = True
-    _annotate_path(axes, solution)
     every = f"; rings: every {ticks[1] - ticks[0]:.3g} s" if ringed else ""
     marks = f"dot: start; square: end, after {t[-1] - t[0]:.4g} s{every}"
+    marks = marks if len(t) > 1 else f"squares: at t = {t[0]:.4g} s"
     axes.set(xlabel="x [m]", ylabel="y [m]")
     add_remark(axes, marks)
     set_title(figure, f"{solution.scene.name}: trajectories")
     set_limits(axes, np.concatenate(list(paths.values())))
+    mark_path(axes, solution)
     add_legend(figure)
     return figure
-
-
-def _annotate_path(axes: Axes, solution: Solution) -> None:
-    """Mark on the path of the centre of gravity where forces begin and end to act, and events."""
-    ends = (solution.t[0], solution.t[-1])
-    said = [(event.t, event.name) for event in solution.events]
-    for term, start, end in force_intervals(solution):
-        said += [(t, f"{term.label} {what}") for t, what in ((start, "begins"), (end, "ends"))]
-    path = solution.centre_of_gravity
-    for t, words in said[:NAMED]:
-        if ends[0] < t < ends[1]:
-            x, y = (float(np.interp(t, solution.t, part)) for part in path.T)
-            axes.plot(x, y, "D", color=FAINT, markersize=4)
-            style: dict[str, Any] = {"color": FAINT, "bbox": BEHIND}
-            axes.annotate(words, (x, y), (7, -3), textcoords="offset points", **style)
 
 
 def energies(solution: Solution) -> Figure:
@@ -233,18 +217,23 @@ def energies(solution: Solution) -> Figure:
     # In the order, and so in the colours, of the live view.
     colours = cycle(SERIES)
     for label, values in there:
-        axes.plot(t, values, color=next(colours), label=label, linewidth=LINE)
+        style: dict[str, Any] = {"color": next(colours), "linewidth": LINE}
+        axes.plot(t, values, line_or_dot(values), label=label, **style)
     done = [(name, work) for name, work in solution.work.items() if work.any()]
-    for (name, work), dashes in zip(done, cycle(DASHES), strict=False):
-        style: dict[str, Any] = {"linestyle": dashes, "color": next(colours), "linewidth": LINE}
+    for (name, work), dashes in zip(done, cycle(WORK_DASHES), strict=False):
+        style = {"linestyle": dashes, "color": next(colours), "linewidth": LINE}
         axes.plot(t, work, label=f"work of {describe(name)}", **style)
     mark_times(axes, solution)
     axes.set(ylabel="energy [J]")
     set_title(figure, f"{solution.scene.name}: energies and work")
     add_legend(figure)
     error = np.abs(solution.energy_balance)
-    if np.any(error > 0):
-        below.semilogy(t, np.where(error > 0, error, np.nan), color=INK, linewidth=0.8)
+    shown = np.where((error > 0) & np.isfinite(error), error, np.nan)
+    if np.isfinite(shown).any():
+        below.semilogy(t, shown, line_or_dot(shown), color=INK, linewidth=0.8)
+        show_decades(below, shown)
+    else:
+        leave_empty(below, "none at any time")
     below.set(xlabel="t [s]", ylabel="|error| [J]")
     return figure
 

@@ -24,9 +24,9 @@ from rodgen.show.canvas import (
     set_title,
 )
 
-CURVES = 12  # of means that settle
-NAMED = 6  # of these, with a name each
-BEYOND = 1.5  # times the last peak, up to where a spectrum is drawn
+MOST_MEANS = 12  # of means that settle
+NAMED_MEANS = 6  # of these, with a name each
+BEYOND_PEAKS = 1.5  # times the last peak, up to where a spectrum is drawn
 SPECTRUM = 3  # exponents from which on there is a picture of all of them
 
 
@@ -40,7 +40,7 @@ def spectral_density(found: Spectrum) -> Figure:
         axes.axvline(place[0], color=SPECIAL, linewidth=0.8, linestyle=":")
         how: dict[str, Any] = {"textcoords": "offset points", "color": SPECIAL}
         axes.annotate(f"{number}", place, (2, 2), **how)
-    axes.set_xlim(0.0, min(BEYOND * max(found.frequencies), found.bins[-1]))
+    axes.set_xlim(0.0, min(BEYOND_PEAKS * max(found.frequencies), found.bins[-1]))
     axes.set(xlabel="frequency [Hz]", ylabel=f"density [{typeset('unit^2/Hz')}]")
     return figure
 
@@ -59,12 +59,14 @@ def convergence(found: Exponents) -> Figure:
 def _means(axes: Axes, found: Exponents) -> None:
     count = len(found.exponents)
     shown: Sequence[int] = range(count)
-    if count > CURVES:  # the largest, and the smallest that answer them
-        shown = [*range(CURVES // 2), *range(count - CURVES // 2, count)]
+    if count > MOST_MEANS:  # the largest, and the smallest that answer them
+        shown = [*range(MOST_MEANS // 2), *range(count - MOST_MEANS // 2, count)]
     colours = ALONG(np.linspace(0.0, 1.0, len(shown)))
     few = found.t - (found.t[0] - (found.t[1] - found.t[0])) if len(found.t) > 1 else found.t
     for at, colour in zip(shown, colours, strict=True):
-        label = rf"$\lambda_{{{at + 1}}}$ = {found.exponents[at]:.4g}" if count <= NAMED else None
+        label = (
+            rf"$\lambda_{{{at + 1}}}$ = {found.exponents[at]:.4g}" if count <= NAMED_MEANS else None
+        )
         axes.plot(few, found.running[:, at], color=colour, linewidth=LINE, label=label)
         error = found.errors[at]
         axes.errorbar(few[-1] * 1.08, found.exponents[at], error, color=colour, capsize=2.5)
@@ -75,7 +77,7 @@ def _means(axes: Axes, found: Exponents) -> None:
     low, high = float(late.min()), float(late.max())
     room = 0.08 * (high - low) + float(found.errors.max())
     axes.set_ylim(low - room, high + room)
-    if count <= NAMED:
+    if count <= NAMED_MEANS:
         axes.legend()
 
 
@@ -86,7 +88,7 @@ def _spectrum(axes: Axes, found: Exponents) -> None:
         numbers, found.exponents, found.errors, fmt="o", color=CURVE, markersize=3.5, capsize=2.5
     )
     axes.set(xlabel="number", ylabel="exponent [1/s]")
-    if len(numbers) <= CURVES:
+    if len(numbers) <= MOST_MEANS:
         axes.set_xticks(numbers)
 
 

@@ -29,6 +29,7 @@ from rodgen.integrate.stepper import FINISHED, NO_RESULT
 from rodgen.show.canvas import (
     BED,
     INK,
+    LOG_RATIO,
     MOMENTS,
     SERIES,
     SPECIAL,
@@ -44,10 +45,9 @@ from rodgen.show.study_results import StudyResults, is_logarithmic
 
 MOST_PANELS = 16
 LEVELS = 8  # lines of a contour
-WIDE = 1e3  # largest over smallest, from which colours go by the logarithm
 MANY = 3000  # points of a map beyond which those of a whole grid are not shown
 MOST_PERIOD = 8  # different values of a section that are told apart
-SAME, OUTSIDE = 1e-3, (0.001, 0.999)  # of the range; what of all values is taken for it
+SAME_VALUE, OUTSIDE = 1e-3, (0.001, 0.999)  # of the range; what of all values is taken for it
 
 
 PALE = 0.5  # part of a colour in the areas of classes, whose names are in them; the rest is white
@@ -96,7 +96,7 @@ def count_distinct(values: Array) -> NDArray[np.int_]:
     thousandth of the range of all."""
     known = np.isfinite(values)
     low, high = np.quantile(values[known], OUTSIDE) if known.any() else (0.0, 0.0)
-    apart = np.diff(np.sort(np.where(known, values, np.nan), axis=-1)) > SAME * (high - low)
+    apart = np.diff(np.sort(np.where(known, values, np.nan), axis=-1)) > SAME_VALUE * (high - low)
     counts: NDArray[np.int_] = apart.sum(axis=-1) + known.any(axis=-1)
     return counts
 
@@ -136,7 +136,7 @@ def _choose_colours(values: Array, classes: Sequence[str]) -> Colours:
         return _class_colours(classes, [shades[at % len(shades)] for at in range(len(classes))])
     found = values[np.isfinite(values)]
     low, high = (found.min(), found.max()) if len(found) else (0.0, 1.0)
-    if low > 0 and high > WIDE * low:
+    if low > 0 and high > LOG_RATIO * low:
         return Colours(LogNorm(low, high), colormaps[VALUES])
     if low < 0 < high:  # what grows and what dies away have colours of their own
         return Colours(CenteredNorm(halfrange=max(-low, high)), MOMENTS)

@@ -14,17 +14,20 @@ from matplotlib.figure import Figure
 
 from rodgen.arrays import Array
 from rodgen.show.canvas import (
+    BELOW,
     BESIDE,
     CURVE,
     INK,
     LINE,
     SERIES,
     SPECIAL,
+    add_figure_remark,
     break_lines,
-    label_strip,
+    height_of,
     make_axes,
     make_figure,
     make_panels,
+    set_height,
     set_title,
     width_of,
 )
@@ -37,7 +40,8 @@ if TYPE_CHECKING:
     import xarray
 
 MOST_PICTURES = 12
-COLUMNS = 5  # of a scatter matrix, and rows
+SCATTER_COLUMNS = 5  # of a scatter matrix, and rows
+LEAST_ROW = 0.9  # inches: of such a matrix
 DENSE, DENSITY = 3000, "Blues"  # points from which on their density is drawn, and its colours
 FEW = 200  # points of a curve, up to which they are joined by lines
 
@@ -50,7 +54,7 @@ def save_study_pictures(
     One axis: a curve of every number, a bifurcation diagram of every section. Two: a map with lines
     of equal values, and the points where not all are computed; of a section, how many values it
     has. Three: a matrix of maps. Samples, and more axes: a scatter matrix. Failed points are red
-    crosses. Of more than 200 000 points only some are shown, as the title says.
+    crosses. Of more than 200 000 points only some are shown, as words below say.
     """
     pictures = pictures_of(dataset)
     figures = ((file_name(name), make()) for name, make in pictures.items())
@@ -60,6 +64,18 @@ def save_study_pictures(
 def pictures_of(dataset: xarray.Dataset) -> dict[str, Callable[[], Figure]]:
     """Return the functions that draw the pictures of a study, by the names of the pictures."""
     of = StudyResults.subsample(dataset)
+    return {name: partial(_draw_share, of, draw) for name, draw in _pictures(of).items()}
+
+
+def _draw_share(of: StudyResults, draw: Callable[[], Figure]) -> Figure:
+    """Draw a picture that says below which share of the points it shows, where that is not all."""
+    figure = draw()
+    if of.share:
+        add_figure_remark(figure, f"shown: {of.share}")
+    return figure
+
+
+def _pictures(of: StudyResults) -> dict[str, Callable[[], Figure]]:
     count = len(of.axes)
     if of.is_sample or count > 3:
         return {"scatter": partial(scatter_matrix, of)}
@@ -146,10 +162,11 @@ def scatter_matrix(of: StudyResults) -> Figure:
     lost = of.failures.ravel()
     rows, columns = max(len(results), 1), len(inputs)
     figure = make_figure(1.7 * columns + 1.6, 1.5 * rows + 0.7)
+    set_height(figure, max(height_of(figure), LEAST_ROW * rows + BELOW))
     ratios = [*[1.0] * columns, 0.4]
     how: dict[str, Any] = {"sharex": "col", "sharey": "row", "width_ratios": ratios}
     panels = make_panels(figure, rows, columns + 1, **how)
-    width, height = (width_of(figure) - BESIDE) / columns, figure.bbox.height / figure.dpi / rows
+    width, height = (width_of(figure) - BESIDE) / columns, height_of(figure) / rows
     for row, (name, y) in enumerate(results):
         there = ~lost & np.isfinite(y)
         for axes, (_, x) in zip(panels[row], inputs, strict=False):
@@ -162,7 +179,7 @@ def scatter_matrix(of: StudyResults) -> Figure:
         panels[-1, at].set_xlabel(break_lines(of.label(name), width))
         _mark_lost(panels[-1, at], x[lost])
     if lost.any():
-        label_strip(figure, "", "", f"{lost.sum()} of {lost.size} points failed (red)")
+        add_figure_remark(figure, f"{lost.sum()} of {lost.size} points failed (red)")
     set_title(figure, f"{of.title}: {lost.size} points")
     return figure
 
@@ -182,12 +199,12 @@ def _scatter_columns(
 ) -> tuple[list[tuple[str, Array]], list[tuple[str, Array]]]:
     """Return names and values of the varied numbers and of the results that are single numbers."""
     inputs = []
-    for name in of.axes[:COLUMNS]:
+    for name in of.axes[:SCATTER_COLUMNS]:
         values, _ = of.axis_values(name)
         if not of.is_sample:
             values = np.broadcast_to(
                 values.reshape([-1 if one == name else 1 for one in of.axes]), of.status.shape
             )
         inputs.append((name, values.ravel()))
-    single = [name for name in of.kept if not of.inner_dims(name)][:COLUMNS]
+    single = [name for name in of.kept if not of.inner_dims(name)][:SCATTER_COLUMNS]
     return inputs, [(name, of.values_of(name)[0].ravel()) for name in single]

@@ -18,22 +18,24 @@ from rodgen.model.term import typeset
 from rodgen.model.terms import axis_label
 from rodgen.studies.point_arrays import ALWAYS, METHOD
 
-EVEN = 1e-6  # of the spacing in which an axis is linear or logarithmic
-BESIDE = {one.name for one in (*ALWAYS, METHOD)}  # what a study keeps without being asked
+EVEN_SPACING = 1e-6  # of the spacing in which an axis is linear or logarithmic
+KEPT_ALWAYS = {one.name for one in (*ALWAYS, METHOD)}  # what a study keeps without being asked
 MOST_SHOWN = 2 * 10**5  # points of a picture
 NAMES = {"stable": {1: "stable", 0: "unstable", -1: "not known"}}
 
 
 @dataclass(frozen=True)
 class StudyResults:
-    """Results of a study as its pictures need them."""
+    """Results of a study as its pictures need them. one_of: how many points there are for each that
+    they have."""
 
     dataset: Any
+    one_of: int = 1
 
     @classmethod
     def subsample(cls, dataset: Any) -> StudyResults:
         """Leave out every other point, or three of four, along the longest axes where there are
-        more than a picture can show; the title then says so."""
+        more than a picture can show; `share` then says so."""
         steps = {str(dim): 1 for dim in dataset["status"].dims}
         sizes = {dim: int(dataset.sizes[dim]) for dim in steps}
         while math.prod(sizes.values()) > MOST_SHOWN:
@@ -44,7 +46,12 @@ class StudyResults:
         if of == 1:
             return cls(dataset)
         shown = dataset.isel({dim: slice(None, None, step) for dim, step in steps.items()})
-        return cls(shown.assign_attrs(name=f"{cls(dataset).title}: one point of {of}").load())
+        return cls(shown.load(), of)
+
+    @property
+    def share(self) -> str:
+        """Share of the points that they have, in words; "" where that is all."""
+        return f"one point of {self.one_of}" if self.one_of > 1 else ""
 
     @cached_property
     def is_sample(self) -> bool:
@@ -61,7 +68,7 @@ class StudyResults:
     @cached_property
     def kept(self) -> list[str]:
         """Names of the kept quantities, without the variables that every study has."""
-        return [str(name) for name in self.dataset.data_vars if name not in BESIDE]
+        return [str(name) for name in self.dataset.data_vars if name not in KEPT_ALWAYS]
 
     @property
     def title(self) -> str:
@@ -138,5 +145,5 @@ def is_logarithmic(values: Array) -> bool:
     if len(values) < 3 or not (values > 0).all():
         return False
     steps, plain = np.diff(np.log(values)), np.diff(values)
-    even = [np.ptp(one) <= EVEN * np.abs(one).max() for one in (steps, plain)]
+    even = [np.ptp(one) <= EVEN_SPACING * np.abs(one).max() for one in (steps, plain)]
     return bool(even[0] and not even[1])

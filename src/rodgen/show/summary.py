@@ -13,7 +13,7 @@ from rodgen.scene import Scene
 from rodgen.scene.grammar import abbreviate
 from rodgen.scene.model_contents import describe_loads
 
-SHOWN = 10  # events
+MOST_EVENTS = 10  # events
 ROUNDING = 1e-9  # of the largest energy: what changes by less has not changed
 
 
@@ -89,7 +89,7 @@ def _run(solution: Solution) -> str:
 
 
 def _events(solution: Solution) -> str:
-    shown = [f"{event.name} at t = {event.t:.9g} s" for event in solution.events[:SHOWN]]
+    shown = [f"{event.name} at t = {event.t:.9g} s" for event in solution.events[:MOST_EVENTS]]
     rest = len(solution.events) - len(shown)
     return f"Events: {'; '.join(shown)}{f'; and {rest} more' * bool(rest)}."
 

@@ -1,32 +1,30 @@
 """Pictures of a run over time (tail with its spectrum, bending moments along the rod) and of the
-rod at several times; marks on the time axis: when forces act that do not always act, and events.
-"""
+rod at several times."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from typing import Any
 
 import numpy as np
-from matplotlib.axes import Axes
 from matplotlib.cm import ScalarMappable
 from matplotlib.colors import Normalize
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
-from rodgen.analyse.spectrum import amplitude_spectrum
+from rodgen.analyse.spectrum import UNIFORM, amplitude_spectrum
 from rodgen.arrays import Array, even_indices
 from rodgen.integrate import Solution
-from rodgen.model.term import FORCE, SPREAD, Term
-from rodgen.model.terms import TERMS
 from rodgen.show.canvas import (
     ALONG,
     CURVE,
-    FAINT,
     LINE,
     MOMENTS,
     ROOMY,
+    add_legend,
     add_remark,
     label_ordinate,
+    leave_empty,
+    line_or_dot,
     make_axes,
     make_pair,
     moment_norm,
@@ -34,16 +32,15 @@ from rodgen.show.canvas import (
     set_title,
     width_of,
 )
+from rodgen.show.event_marks import mark_times
 from rodgen.show.marks import describe_marks, draw_marks, start_name
 
 WINDOW = "hann"
-SHORTEST = 16  # samples of a spectrum
-COLUMNS = 1200  # of moments over time: more cannot be told apart
-EVEN = 1e-6  # of the time between samples, by which it may differ
-NAMED = 12  # events with names
+FEWEST_SAMPLES = 16  # samples of a spectrum
+MAP_COLUMNS = 1200  # of moments over time: more cannot be told apart
 
 SHAPES = 12  # rods drawn in one picture
-FAR = 20.0  # lengths, beyond which a rod is a dot on its way
+FAR_FLIGHT = 20.0  # lengths, beyond which a rod is a dot on its way
 MISSED = 0.3  # of how far the rod moves, that shapes may leave out between them
 FURTHER = 1.1  # times as far as in the second half, from which the first is drawn
 
@@ -52,21 +49,22 @@ def tail_history(solution: Solution) -> Figure:
     """Distance of the tail from the line of the rod's start over time, and its spectrum."""
     figure, (first, second) = make_pair(7.4, 3.4)
     signal = solution.values("tail_deflection")
-    first.plot(solution.t, signal, color=CURVE, linewidth=0.8)
+    first.plot(solution.t, signal, line_or_dot(signal), color=CURVE, linewidth=0.8)
     first.set(xlabel="t [s]")
     stacked = 1 + (width_of(figure) < ROOMY)
     label_ordinate(first, f"tail across the {start_line(solution)} [m]", stacked)
     set_title(figure, f"{solution.scene.name}: tail")
     mark_times(first, solution)
     even, steps = _uniform_samples(solution)
-    if len(even) >= SHORTEST and np.ptp(signal) > 0:
+    if len(even) >= FEWEST_SAMPLES and np.ptp(signal) > 0:
         found = amplitude_spectrum(signal[even][:, None], WINDOW)
         frequencies = np.fft.rfftfreq(len(even), steps)
         second.semilogy(frequencies[1:], found[1:], color=CURVE, linewidth=0.8)
         second.set(xlabel=f"frequency [Hz], {WINDOW.capitalize()} window", ylabel="amplitude [m]")
     else:
-        second.text(0.5, 0.5, "no spectrum: too few samples", ha="center", va="center")
+        leave_empty(second, "no spectrum: too few samples")
         second.set_axis_off()
+    add_legend(figure)
     return figure
 
 
@@ -80,76 +78,35 @@ def _uniform_samples(solution: Solution) -> tuple[NDArray[np.int64], float]:
     steps = np.diff(solution.t)
     if not len(steps):
         return np.arange(len(solution.t)), 1.0
-    other = np.flatnonzero(np.abs(steps - steps[0]) > EVEN * steps[0])
+    other = np.flatnonzero(np.abs(steps - steps[0]) > UNIFORM * steps[0])
     return np.arange(int(other[0]) + 1 if len(other) else len(solution.t)), float(steps[0])
 
 
 def moment_map(solution: Solution) -> Figure:
     """Bending moment over time and along the rod."""
     figure, (axes,) = make_axes(6.4, 4.4)
-    kept = even_indices(0, len(solution.t) - 1, COLUMNS)
+    kept = even_indices(0, len(solution.t) - 1, MAP_COLUMNS)
     found = solution.bending_moments[kept]
     set_title(figure, f"{solution.scene.name}: bending moment")
     if not solution.bending_moments.any():  # of a chain
-        axes.text(0.5, 0.5, "none anywhere, at any time", ha="center", va="center")
+        leave_empty(axes, "none anywhere, at any time")
         axes.set_axis_off()
         return figure
     limit = float(np.abs(found).max())
     s = np.linspace(0.0, 1.0, found.shape[1])
-    mesh = axes.pcolormesh(
-        solution.t[kept],
-        s,
-        found.T,
-        cmap=MOMENTS,
-        norm=moment_norm(limit),
-        shading="nearest" if len(kept) > 1 else "auto",
-        rasterized=True,
-    )
+    t = solution.t[kept]
+    how: dict[str, Any] = {"cmap": MOMENTS, "norm": moment_norm(limit), "rasterized": True}
+    coloured: ScalarMappable
+    if len(t) > 1:
+        coloured = axes.pcolormesh(t, s, found.T, shading="nearest", **how)
+    else:  # there is no time between samples that an area could have
+        coloured = axes.scatter(np.full(len(s), t[0]), s, c=found[0], clip_on=False, **how)
     along = f"s along the rod (0: {start_name(solution.scene)}, 1: tail)"
     axes.set(xlabel="t [s]", ylabel=along, ylim=(0.0, 1.0))
+    figure.colorbar(coloured, ax=axes, label="bending moment [N m]")
     mark_times(axes, solution)
-    figure.colorbar(mesh, ax=axes, label="bending moment [N m]")
+    add_legend(figure)
     return figure
-
-
-def mark_times(axes: Axes, solution: Solution) -> None:
-    """Mark on a time axis when forces act that do not always act, and when events happened."""
-    for term, start, end in force_intervals(solution):
-        colour = term.colours[0]
-        axes.axvspan(start, end, ymax=0.03, color=colour, alpha=0.7, linewidth=0)
-        axes.annotate(
-            f"{term.label} acts",
-            (start, 0.035),
-            xycoords=("data", "axes fraction"),
-            color=colour,
-        )
-    for event in solution.events:
-        axes.axvline(event.t, color=FAINT, linewidth=0.8, linestyle=":")
-    for event in solution.events[:NAMED]:
-        axes.annotate(
-            f" {event.name}",
-            (event.t, 0.99),
-            xycoords=("data", "axes fraction"),
-            rotation=90,
-            va="top",
-            ha="right",
-            color=FAINT,
-        )
-
-
-def force_intervals(solution: Solution) -> Iterator[tuple[Term, float, float]]:
-    """Yield the forces that act for some of the time, with start and end of each interval [s]."""
-    for name in solution.scene.loads.terms:
-        term = TERMS[name]
-        if term.kind not in (FORCE, SPREAD):
-            continue
-        acts = np.abs(solution.forces[name]).sum(axis=(1, 2)) > 0
-        if acts[1:-1].all() or not acts.any():  # where it grows from zero, it acts throughout
-            continue
-        edges = np.flatnonzero(np.diff(np.concatenate(([0], acts, [0]))))
-        for first, beyond in zip(edges[::2], edges[1::2], strict=True):
-            end = min(int(beyond), len(acts) - 1)
-            yield term, float(solution.t[max(int(first) - 1, 0)]), float(solution.t[end])
 
 
 def shapes(solution: Solution) -> Figure:
@@ -160,7 +117,8 @@ def shapes(solution: Solution) -> Figure:
     scene, samples = solution.scene, _choose_samples(solution)
     t, every, far = solution.t[samples], solution.joints[samples], solution.scene.rod.length
     apart = (
-        scene.boundary_condition.translates and float(np.ptp(every, axis=(0, 1)).max()) > FAR * far
+        scene.boundary_condition.translates
+        and float(np.ptp(every, axis=(0, 1)).max()) > FAR_FLIGHT * far
     )
     if apart:
         places = far * np.arange(len(t))
@@ -176,16 +134,15 @@ def shapes(solution: Solution) -> Figure:
     axes.set(xlabel=across)
     add_remark(axes, describe_marks(scene, anchors=not apart))
     set_title(figure, f"{scene.name}: shapes")
-    if len(t) > 1:
-        add_remark(axes, _describe_times(t, solution.t))
+    add_remark(axes, _describe_times(t, solution.t))
     fixed = [] if apart else [(tie.x, tie.y) for tie in scene.anchors.support_points]
     set_limits(axes, np.concatenate((every.reshape(-1, 2), np.reshape(fixed, (-1, 2)))))
     label_ordinate(axes, up)
     if apart:  # as many times as there is room for
         some = slice(None, None, -(-len(t) // int(3 * width_of(figure))))
         axes.set_xticks(places[some], [f"{time:.3g}" for time in t[some]])
-    # A bar beside the axes would be higher than those of a flat rod.
-    figure.colorbar(colours, cax=axes.inset_axes((1.03, 0.0, 0.03, 1.0)), label="t [s]")
+    if len(t) > 1:  # a bar beside the axes would be higher than those of a flat rod
+        figure.colorbar(colours, cax=axes.inset_axes((1.03, 0.0, 0.03, 1.0)), label="t [s]")
     return figure
 
 
@@ -220,6 +177,8 @@ def _interpolation_error(way: Array, samples: NDArray[np.int_]) -> float:
 
 def _describe_times(t: Array, every: Array) -> str:
     """Describe the time between shapes, and the part of the run that they are of."""
+    if len(t) == 1:
+        return f"at t = {t[0]:.4g} s"
     whole = t[0] == every[0] and t[-1] == every[-1]
     part = "" if whole else f"from {t[0]:.4g} to {t[-1]:.4g} s, "
     return f"{part}every {(t[-1] - t[0]) / (len(t) - 1):.3g} s"

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from abc import ABC, abstractmethod
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any
@@ -42,8 +43,15 @@ def event_crossing(event: EventTable) -> Crossing:
     return Crossing(event.quantity, event.value, event.direction)
 
 
+def _add_times(words: str, measured: RunMeasure | Reduction) -> str:
+    """Add to a description from when to when it is computed."""
+    times = [f"from {measured.start:g} s"] * (measured.start > EVERY[0])
+    times += [f"to {measured.end:g} s"] * (measured.end < EVERY[1])
+    return " ".join((words, *times))
+
+
 @dataclass(frozen=True)
-class RunMeasure:
+class RunMeasure(ABC):
     """A quantity that is kept of a run, by default a single number.
 
     text: as in `keep`; number: name of what it is computed from, "" for none; units: of its values;
@@ -66,15 +74,9 @@ class RunMeasure:
         """Description of it, "" where its text says all."""
         return ""
 
-    def _within(self, words: str) -> str:
-        """Add to a description between what times it is computed."""
-        times = [f"from {self.start:g} s"] * (self.start > EVERY[0])
-        times += [f"to {self.end:g} s"] * (self.end < EVERY[1])
-        return " ".join((words, *times))
-
+    @abstractmethod
     def compute(self, solution: Solution, places: Numbers) -> dict[str, Any]:
         """Compute it for one run, by the names of its variables."""
-        raise NotImplementedError
 
 
 @dataclass(frozen=True)
@@ -86,10 +88,8 @@ class SampleReduction(RunMeasure):
     @property
     def words(self) -> str:
         """Description of it."""
-        reduction, shown = self.reduction, describe_number(self.number)
-        return replace(self, start=reduction.start, end=reduction.end)._within(
-            WORDS[reduction.kind].format(shown)
-        )
+        words = WORDS[self.reduction.kind].format(describe_number(self.number))
+        return _add_times(words, self.reduction)
 
     def compute(self, solution: Solution, places: Numbers) -> dict[str, Any]:
         """Compute it for one run, by the names of its variables."""
@@ -105,7 +105,7 @@ class EventCount(RunMeasure):
     @property
     def variables(self) -> tuple[StudyVariable, ...]:
         """The variable of the count, -1 where there was no run."""
-        words = self._within(f"times of {self.event}")
+        words = _add_times(f"times of {self.event}", self)
         return (StudyVariable(self.text, dtype="i8", fill=-1, words=words),)
 
     def compute(self, solution: Solution, places: Numbers) -> dict[str, Any]:
@@ -140,7 +140,7 @@ class CrossingSection(RunMeasure):
     def words(self) -> str:
         """Description of the values."""
         where = f"where {describe_number(self.where)} crosses {self.level:g}"
-        return self._within(f"{describe_number(self.number)} {where}")
+        return _add_times(f"{describe_number(self.number)} {where}", self)
 
     @property
     def variables(self) -> tuple[StudyVariable, ...]:
@@ -200,7 +200,7 @@ class SpectralPeak(RunMeasure):
     @property
     def words(self) -> str:
         """Description of the peak."""
-        return self._within(f"of the highest peak of {describe_number(self.number)}")
+        return _add_times(f"of the highest peak of {describe_number(self.number)}", self)
 
     @property
     def variables(self) -> tuple[StudyVariable, ...]:

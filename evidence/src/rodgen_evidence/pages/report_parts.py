@@ -55,8 +55,8 @@ def scene_part(contents: Contents, scene: str, pictures: Pictures, why: str) -> 
             "The reference and its own error estimate", references, columns.REFERENCE
         ),
         "figures": _figures(contents, scene, rows, pictures),
-        "unseen": int((every["error_phi"] > figures.LARGEST).sum()),
-        "largest": f"{figures.LARGEST:g}",
+        "unseen": int((every["error_phi"] > figures.LARGEST_ERROR).sum()),
+        "largest": f"{figures.LARGEST_ERROR:g}",
         "orders": table("Observed orders of fixed steps", add_names(fixed), columns.ORDERS),
         "adaptive": table("Slopes of adaptive methods", add_names(adaptive), columns.SLOPES),
         "setup": table("Before the first step", _setup(every), columns.SETUP),

@@ -58,7 +58,7 @@ def _load(structure: Structure) -> bool:
     """Load a module and SciPy's part by which its forces are computed, unless it is to be
     derived."""
     if derived := is_derived(structure, PARTS):
-        import scipy.linalg  # noqa: F401
+        import scipy.linalg  # noqa: F401  here, lest the page wait for it at its first forces
 
         build_fastest(structure, PARTS)
     return derived

@@ -23,7 +23,7 @@ from rodgen.scene import Scene
 from rodgen.show.animation.film_files import check_file, find_ffmpeg, open_writer
 from rodgen.show.animation.frame_times import FilmSettings, FramePlan, plan_frames
 from rodgen.show.animation.motion import MotionSamples, choose_camera, ground_grid, sample_motion
-from rodgen.show.animation.stage import GRID, LoadArrows, Stage
+from rodgen.show.animation.stage import GRID_STYLE, LoadArrows, Stage
 from rodgen.show.canvas import (
     BED,
     BODY,
@@ -38,11 +38,11 @@ from rodgen.show.canvas import (
 )
 from rodgen.show.marks import start_name
 
-LARGEST = 1e15  # of any state: beyond, a double has no digits left for the shape
+LARGEST_FILMED = 1e15  # of any state: beyond, a double has no digits left for the shape
 PALETTE = 8  # frames from which a GIF has its colours
 Progress = Callable[[float], None]
-TRAIL = 5.0  # seconds of film
-ROD, EDGES = 3.6, 1.4  # points: widths of the rod, and of both its edges
+TRAIL_SECONDS = 5.0  # seconds of film
+ROD_WIDTH, EDGES_WIDTH = 3.6, 1.4  # points: widths of the rod, and of both its edges
 LARGEST_BODY = 26.0  # points across: of a body that is the whole mass
 LEAST_LINK = 8.0  # points: the joints of shorter links would hide the rod
 SUPPORTS = {"none": ("o", 6.5), "pin": ("^", 11.0), "wall": ("s", 10.0)}  # marks, their sizes
@@ -146,7 +146,7 @@ def make_video(solution: Solution, width: int, **settings: Any) -> Video:
 def _drawable_frames(solution: Solution, planned: FramePlan) -> tuple[NDArray[np.intp], list[str]]:
     """Return the frames before a run blows up, by number of their sample, and notes on them."""
     notes = []
-    good = np.all(np.abs(solution.y) <= LARGEST, axis=1)
+    good = np.all(np.abs(solution.y) <= LARGEST_FILMED, axis=1)
     bad = len(good) if good.all() else int(good.argmin())
     frames = planned.frames[planned.frames < bad]
     if not len(frames):
@@ -180,7 +180,7 @@ class FrameRenderer:
         self._step = stage.grid_step
         stage.set_title(scene, speed)
         stage.add_colours(motion.label, motion.bending_limit, float(np.abs(motion.bending).max()))
-        self._motion, self._trail = motion, TRAIL * speed
+        self._motion, self._trail = motion, TRAIL_SECONDS * speed
         self._joints = self.camera.to_picture(motion.joints)
         self._centre = self.camera.to_picture(motion.centre)
         self._arrows = LoadArrows(motion, self.camera, stage)
@@ -196,14 +196,14 @@ class FrameRenderer:
     def _add_moving(self, scene: Scene) -> None:
         """Add the artists that are drawn in every frame."""
         stage, n, limit = self._stage, scene.rod.links, self._motion.bending_limit
-        self._ground = stage.add_line(**GRID)
+        self._ground = stage.add_line(**GRID_STYLE)
         self._trails = [
             stage.add_line(color, linewidth=1.1, alpha=0.75) for color in (TAIL, CENTRE)
         ]
         # Behind a rod that is pale where it is not bent.
-        self._edge = stage.add_line(EDGE, linewidth=ROD + EDGES, solid_capstyle="round")
+        self._edge = stage.add_line(EDGE, linewidth=ROD_WIDTH + EDGES_WIDTH, solid_capstyle="round")
         self._rod = stage.add_lines(
-            linewidth=ROD, capstyle="round", cmap=MOMENTS, norm=moment_norm(limit)
+            linewidth=ROD_WIDTH, capstyle="round", cmap=MOMENTS, norm=moment_norm(limit)
         )
         self._rod.set_snap(False)  # to whole pixels, in which a bent rod has steps
         # Views of one array are drawn: new paths in every frame would take most of its time.

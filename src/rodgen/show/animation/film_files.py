@@ -25,7 +25,7 @@ ENDINGS = (".mp4", ".gif")
 GONE = 10.0  # seconds in which ffmpeg ends once it is told to
 FASTEST = 50.0  # frames a second: browsers slow down what has less than 1/50 s a frame
 COLOURS, COMMON = 255, 128  # in the palette; of them those that are taken as they are
-SAME = 255  # number of the colour that is no colour: of pixels that stay as they were
+UNCHANGED = 255  # number of the colour that is no colour: of pixels that stay as they were
 BITS = 6  # of red, of green, of blue, by which the nearest colour is looked up
 
 
@@ -148,7 +148,7 @@ def _open_gif(path: Path, fps: float, colours: Pixels) -> Iterator[Writer]:
         shown = round(ticks + 100 / fps) - round(ticks)
         ticks += 100 / fps
         # Disposal 1: what is not painted over stays.
-        how = {"duration": 10 * shown, "transparency": SAME, "disposal": 1}
+        how = {"duration": 10 * shown, "transparency": UNCHANGED, "disposal": 1}
         file.write(b"".join(GifImagePlugin.getdata(changed, corner, **how)))
         before = frame.copy()
 
@@ -201,7 +201,7 @@ def _crop_to_changes(
         rows = columns = np.zeros(1, dtype=int)
     inside = np.s_[rows[0] : rows[-1] + 1, columns[0] : columns[-1] + 1]
     new = other[inside]
-    numbers = np.full(new.shape, SAME, dtype=np.uint8)
+    numbers = np.full(new.shape, UNCHANGED, dtype=np.uint8)
     numbers[new] = palette.nearest[_box_numbers(frame[inside][new])]
     return Image.fromarray(numbers), (int(columns[0]), int(rows[0]))
 

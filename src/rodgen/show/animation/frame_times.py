@@ -12,7 +12,7 @@ from rodgen.arrays import Array
 from rodgen.errors import InputError
 
 VIEWS = ("fixed", "centre", "axes")
-LONGEST, SHORTEST = 60.0, 3.0  # seconds of film at a speed that is not given
+LONGEST_FILM, SHORTEST_FILM = 60.0, 3.0  # seconds of film at a speed that is not given
 REAL = 0.1  # share by which a speed that is chosen may miss real time, to be real time
 MOST_FRAMES = 36_000  # twenty minutes at 30 a second
 LEAST_PIXELS, MOST_PIXELS = 320, 4096  # of width and height; H.264's common levels end there
@@ -98,7 +98,7 @@ def _speed(span: float, least: float) -> float:
 
     least: share of the span in a second at which every frame has a sample of its own.
     """
-    wanted = max(span / LONGEST, min(max(1 / SHORTEST, least) * span, 1.0))
+    wanted = max(span / LONGEST_FILM, min(max(1 / SHORTEST_FILM, least) * span, 1.0))
     if not wanted or abs(wanted - 1) < REAL:
         return 1.0
     unit = 10.0 ** (math.floor(math.log10(wanted)) - 1)

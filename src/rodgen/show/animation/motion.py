@@ -16,9 +16,9 @@ from rodgen.model.terms import TERMS
 # Where the largest bending of all is so many times that of nearly all samples, colours end there.
 OUTLIER, COVERED = 3.0, 0.98
 SMALLEST_ROD = 0.25  # of the picture's height: below, the view moves with the rod
-MARGIN = 1.12, 1.28  # round what is seen: without arrows, and with them
-LEAST = 1e-300  # N
-FAR = 1e5  # beyond so many times what is seen, coordinates are told from a point nearby
+VIEW_MARGIN = 1.12, 1.28  # round what is seen: without arrows, and with them
+LEAST_FORCE = 1e-300  # N
+FAR_FROM_VIEW = 1e5  # beyond so many times what is seen, coordinates are told from a point nearby
 
 
 class LoadSamples(NamedTuple):
@@ -110,7 +110,7 @@ def _loads(solution: Solution) -> dict[str, LoadSamples]:
         elif kind in (FORCE, SPREAD):
             forces = solution.forces[name]
             sizes = np.linalg.norm(forces, axis=-1, keepdims=True)
-            shares = sizes / np.maximum(sizes.sum(axis=1, keepdims=True), LEAST)
+            shares = sizes / np.maximum(sizes.sum(axis=1, keepdims=True), LEAST_FORCE)
             found[name] = LoadSamples((shares * solution.joints).sum(axis=1), forces.sum(axis=1))
     return found
 
@@ -171,9 +171,9 @@ def _make_camera(motion: MotionSamples, view: str, aspect: float) -> Camera:
     middle, half = (low + high) / 2, (high - low) / 2
     if view != "fixed":  # the centre of gravity stays in the middle
         middle, half = zero, np.maximum(-low, high)
-    height = max(half[1], half[0] / aspect) * MARGIN[bool(motion.loads)]
+    height = max(half[1], half[0] / aspect) * VIEW_MARGIN[bool(motion.loads)]
     around = np.array([aspect * height, height])
-    if np.abs(middle).max() > FAR * height:
+    if np.abs(middle).max() > FAR_FROM_VIEW * height:
         unit = 10.0 ** math.ceil(math.log10(height))
         near = unit * np.round(middle / unit)
         origin, middle = origin + near, middle - near

@@ -24,14 +24,14 @@ from rodgen.show.animation.frame_times import FilmSettings
 from rodgen.show.animation.motion import Camera, MotionSamples
 from rodgen.show.canvas import BODY, CENTRE, GUIDE, INK, MOMENTS, PAPER, TAIL, moment_norm
 
-GRID: dict[str, Any] = {"color": GUIDE, "alpha": 0.45, "linewidth": 0.7}
-DOTS_PER_INCH = 100.0  # of a film of 1280 x 720; letters grow with the film
+GRID_STYLE: dict[str, Any] = {"color": GUIDE, "alpha": 0.45, "linewidth": 0.7}
+FILM_DPI = 100.0  # of a film of 1280 x 720; letters grow with the film
 SMALLEST_LETTERS = 0.62  # of theirs there
 KEY = 0.3  # inches below the legend, for the scale of the arrows
 SPACING = 0.6  # inches between lines of the grid, at least: room for a number
 MARGINS = 0.82, 2.05, 0.62, 0.55  # inches left, right, below and above the axes
-LONGEST = 0.2  # of half of the picture's shorter side: the arrow of the largest force
-LEAST = 0.02  # of the longest: shorter ones are not drawn
+LONGEST_ARROW = 0.2  # of half of the picture's shorter side: the arrow of the largest force
+LEAST_ARROW = 0.02  # of the longest: shorter ones are not drawn
 
 
 class Stage:
@@ -43,7 +43,7 @@ class Stage:
     def __init__(self, settings: FilmSettings):
         width, height = settings.width, settings.height
         self.zoom = max(min(width / 1280, height / 720), SMALLEST_LETTERS)
-        dots = DOTS_PER_INCH * self.zoom
+        dots = FILM_DPI * self.zoom
         # A little more than the pixels, as matplotlib cuts off what is left of a pixel.
         size = (width + 0.01) / dots, (height + 0.01) / dots
         self.figure = Figure(figsize=size, dpi=dots)
@@ -73,7 +73,7 @@ class Stage:
         for spine in axes.spines.values():
             spine.set_color(GUIDE)
         if camera.view == "fixed":
-            axes.grid(**GRID)
+            axes.grid(**GRID_STYLE)
             axes.set_axisbelow(True)
             names = (_axis_label("x", camera.origin[0, 0]), _axis_label("y", camera.origin[0, 1]))
         elif camera.view == "centre":
@@ -206,7 +206,7 @@ class LoadArrows:
             return
         sizes = {name: np.linalg.norm(force, axis=-1) for name, force in self._force.items()}
         largest = max(float(size.max()) for size in sizes.values())
-        per_metre = largest / (LONGEST * camera.half.min())
+        per_metre = largest / (LONGEST_ARROW * camera.half.min())
         self._point = {name: camera.to_picture(motion.loads[name].point) for name in self.names}
         before = camera.to_picture(motion.joints[:, -2])
         for name in self.names:
@@ -215,7 +215,7 @@ class LoadArrows:
             if TERMS[name].kind == FORCE:
                 pushes = np.sum(arrow * (before - at), axis=-1) > 0
                 self._point[name] = at - pushes[:, None] * arrow
-            hidden = sizes[name][:, None] < LEAST * largest
+            hidden = sizes[name][:, None] < LEAST_ARROW * largest
             self._force[name] = np.where(hidden, np.nan, self._force[name])
         self._quiver = self._draw_quiver(per_metre)
         self._add_key(largest, per_metre * 2 * camera.half[1] / stage.size[1])
