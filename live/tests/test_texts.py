@@ -87,6 +87,17 @@ def test_what_differs_along_a_rod_is_shown_as_such(make_scene: Make) -> None:
     assert float(found["fin_factor_tail"]) == 7.0
 
 
+def test_masses_of_links_follow_what_empties(make_scene: Make) -> None:
+    """The rod, and a tank on its last link, which has nothing left in the end."""
+    table = make_scene(4).model_dump(exclude_none=True)
+    del table["rod"]["mass"]
+    table["rod"]["mass_per_length"] = "1.5 - 0.1*t"
+    table["bodies"] = [{"name": "tank", "at": 1.0, "mass": "max(2 - t, 0)", "inertia": 0.1}]
+    scene = Scene.from_dict(table)
+    for t, wanted in ((0.0, [0.75, 2.75]), (1.0, [0.7, 1.7]), (5.0, [0.5])):
+        assert numbers(shown(scene, t=t)["link_mass"]) == wanted
+
+
 def test_a_straight_rod_has_the_inertia_of_a_bar(make_scene: Make) -> None:
     """2 m and 3 kg, turning about its start at 2 rad/s: M L^2/12 = 1 kg m^2 across it, M L^2/3
     about its start. At 30 degrees, and at 90, where rounding is no product of inertia."""

@@ -110,8 +110,9 @@ class RunStatus:
     def link_mass(self) -> Array:
         """Mass of every link with its bodies [kg]; one number for a uniform rod."""
         if self.scene.structure.masses:
-            present = self.scene.distribution_at(float(self.motion.t[-1]))
-            return np.array(present.link_parameters()["link_mass"])
+            then = self.scene.distribution_at(float(self.motion.t[-1]))
+            links = [body.link for body in then.body_outlines]
+            return then.link_masses + np.bincount(links, then.body_masses, self.scene.rod.links)
         place = self.scene.structure.slices.get("link_mass")
         return np.array([self.per_link("mass")]) if place is None else self.chunk.p[place]
 
