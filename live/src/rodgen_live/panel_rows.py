@@ -153,9 +153,9 @@ def _row(key: str, label: str, unit: str, value: Value) -> TextRow:
 
 
 def _parameter(now: RunStatus, name: str, more: str = "") -> TextRow:
-    """Row that shows a parameter; more: text after its label."""
-    one = PARAMETERS[name]
-    return _row(name, one.label + more, one.display_unit, now.parameter(name))
+    """Row that shows a parameter that is not zero, or that changes; more: text after its label."""
+    one, value = PARAMETERS[name], now.parameter(name)
+    return _row(name, one.label + more, one.display_unit, value if value or more else "")
 
 
 def _quantity(now: RunStatus, name: str, label: str = "", least: float = 0.0) -> TextRow:
@@ -220,7 +220,6 @@ def _critical_rows(now: RunStatus) -> Iterator[TextRow]:
     if not terms or not terms[0].has_size:
         return
     (name,) = (one.name for one in terms[0].size_parameters)
-    yield _parameter(now, name)
     force, found = now.parameter(name), now.critical.value
     too_long = isinstance(found, str) and len(found) > WIDTH
     yield _row("critical_load", "critical force", "N", None if too_long else found)
