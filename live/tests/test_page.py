@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import re
+import time
 import zipfile
 from pathlib import Path
 from typing import Any
@@ -15,6 +16,8 @@ import rodgen
 from live.tests.conftest import SCENE, make
 from live.tests.view import DIGITS, View, expect
 from rodgen.scene import Scene, Structure
+from rodgen.show.animation.film import animate
+from rodgen.show.animation.film_files import find_ffmpeg
 from rodgen.system import System
 from rodgen_live.run.link import Link
 from rodgen_live.run.live_run import LiveRun
@@ -272,6 +275,28 @@ def test_scene_and_run_are_taken_away(view: View, tmp_path: Path) -> None:
     view.page.keyboard.press("Control+z")
     view.shows("mass", 3.0)
     expect(view.field("link")).to_be_hidden()
+
+
+@pytest.mark.skipif(find_ffmpeg() is None, reason="MP4 needs ffmpeg, which is not here")
+def test_film_holds_the_part_of_the_run_before_a_module_is_made(view: View, tmp_path: Path) -> None:
+    """Asked for while the module is made; the film is that of the samples that were there."""
+    view.pause_after(0.3).tab("Save")
+    kept = rodgen.load(view.download(view.button("Run as NetCDF")).rename(tmp_path / "run.nc"))
+    text = view.tab("Text").field("Text of the scene")
+    # A state that no scene has had: its module is in no cache.
+    other = f"\n[states.lag_{time.time_ns()}]\nrate = 0.0\n"
+    text.fill(text.input_value().replace("links = 5", "links = 1") + other)
+    view.page.get_by_role("button", name="Apply").filter(visible=True).click()
+    expect(view.page.get_by_text("dart, 1 link: ")).to_be_visible()
+    view.tab("Save").button("Film as MP4").click()
+    expect(view.field("to")).to_have_value(f"{kept.t[-1]:.6g}")
+    view.field("from").fill("0.1")
+    view.field("to").fill("0.2")
+    view.sees("live.t === 0")
+    made = view.download(view.button("Make"))
+    expect(view.page.get_by_text("11 samples, t = 0.1 s to 0.2 s")).to_be_visible()
+    animate(kept.isel(slice(10, 21)), film := tmp_path / "film.mp4")
+    assert made.read_bytes() == film.read_bytes()
 
 
 def test_page_tells_that_its_server_has_ended(serve: Any, blank: View, folder: Path) -> None:

@@ -54,7 +54,12 @@ def test_text_keeps_what_has_not_changed(path: Path) -> None:
 
 
 def test_refusals_stand_at_their_lines() -> None:
+    """Also in a third body, or a support, that is written at the end."""
     text = FOLDER.text("sounding_rocket")
+    body = '[[bodies]]\nname = "third"\nat = 0.5\nmass = 1.0\n'
+    support = "[[supports]]\nat = 0.2\nstiffness = [3.0, 1.0]\n"
+    text = f"{text}\n{body}\n{support}"
+    FOLDER.parse(text)
     for wrong, right in (
         ("[rod", "[rod]"),
         ("[rud]", "[rod]"),
@@ -65,6 +70,11 @@ def test_refusals_stand_at_their_lines() -> None:
         ('phi = "up"', 'phi = "upright"'),
         ('phi = "at line 999"', 'phi = "upright"'),
         ("links\u00a0=", "links ="),
+        ('name = "engine"', 'name = "third"'),
+        ("mass = -1.0", "mass = 1.0"),
+        ("[[loads.supports]]", "[[supports]]"),
+        ("stiffness = [3.0, -1.0]", "stiffness = [3.0, 1.0]"),
+        ("stiffness = [3.0, 1.0", "stiffness = [3.0, 1.0]"),
     ):
         lines = text.replace(right, wrong, 1)
         assert lines != text, right
@@ -72,7 +82,8 @@ def test_refusals_stand_at_their_lines() -> None:
             FOLDER.parse(lines)
         line = refused_line(lines, refused.value)
         assert line is not None
-        assert wrong in lines.splitlines()[line - 1]
+        # What is written twice is wrong where it stands last.
+        assert line == lines[: lines.rindex(wrong)].count("\n") + 1
 
 
 def test_another_number_of_links_is_the_same_rod() -> None:

@@ -29,6 +29,7 @@ from rodgen_live.sample_store import Chunk
 from tests.palette import ENDS
 
 Make = Callable[..., Scene]
+NAMES = "follower_force", "follower_angle"
 
 
 def groups_of(
@@ -85,6 +86,25 @@ def test_what_differs_along_a_rod_is_shown_as_such(make_scene: Make) -> None:
     found = shown(Scene.from_dict(table))
     assert numbers(found["fin_factor_body"]) == [0.5, 2.0]
     assert float(found["fin_factor_tail"]) == 7.0
+
+
+def test_loads_that_are_zero_are_shown_if_they_change(make_scene: Make) -> None:
+    scene = make_scene(2, terms=("follower", "gravity"))
+    for force, angle, wanted in ((40.0, 0.0, {"follower_force"}), ("min(t, 1)", 0.1, set(NAMES))):
+        changed = {"loads.follower.force": force, "loads.follower.angle": angle}
+        found = shown(scene.replace(changed | {"loads.gravity.g": 0.0}))
+        assert {name for name in (*NAMES, "gravity") if found[name]} == wanted
+
+
+def test_masses_of_links_follow_what_empties(make_scene: Make) -> None:
+    """The rod, and a tank on its last link, which has nothing left in the end."""
+    table = make_scene(4).model_dump(exclude_none=True)
+    del table["rod"]["mass"]
+    table["rod"]["mass_per_length"] = "1.5 - 0.1*t"
+    table["bodies"] = [{"name": "tank", "at": 1.0, "mass": "max(2 - t, 0)", "inertia": 0.1}]
+    scene = Scene.from_dict(table)
+    for t, wanted in ((0.0, [0.75, 2.75]), (1.0, [0.7, 1.7]), (5.0, [0.5])):
+        assert numbers(shown(scene, t=t)["link_mass"]) == wanted
 
 
 def test_a_straight_rod_has_the_inertia_of_a_bar(make_scene: Make) -> None:

@@ -214,6 +214,9 @@ def test_what_is_not_found_is_said() -> None:
         critical_load(rod(5, "clamped", THRUST), bounds=(None, 40.0))
     with pytest.raises(AnalysisError):  # it flutters from the start
         critical_load(rod(5, "clamped", THRUST), bounds=(85.0, 120.0))
+    for damping in ({}, {"external_damping": {"coefficient": 1.0}}):
+        with pytest.raises(AnalysisError):  # it does not bend
+            critical_load(rod(1, "free", THRUST | damping))
     # A fixed step goes with the tolerances that simulations have by default.
     how: dict[str, Any] = {"span": 2.0, "bounds": (0.0, 10.0), "target": "numpy"}
     with pytest.raises(AnalysisError, match=r"\b2 s\b.*\b10\b"):

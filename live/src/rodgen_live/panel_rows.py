@@ -110,8 +110,9 @@ class RunStatus:
     def link_mass(self) -> Array:
         """Mass of every link with its bodies [kg]; one number for a uniform rod."""
         if self.scene.structure.masses:
-            present = self.scene.distribution_at(float(self.motion.t[-1]))
-            return np.array(present.link_parameters()["link_mass"])
+            then = self.scene.distribution_at(float(self.motion.t[-1]))
+            links = [body.link for body in then.body_outlines]
+            return then.link_masses + np.bincount(links, then.body_masses, self.scene.rod.links)
         place = self.scene.structure.slices.get("link_mass")
         return np.array([self.per_link("mass")]) if place is None else self.chunk.p[place]
 
@@ -152,9 +153,9 @@ def _row(key: str, label: str, unit: str, value: Value) -> TextRow:
 
 
 def _parameter(now: RunStatus, name: str, more: str = "") -> TextRow:
-    """Row that shows a parameter; more: text after its label."""
-    one = PARAMETERS[name]
-    return _row(name, one.label + more, one.display_unit, now.parameter(name))
+    """Row that shows a parameter that is not zero, or that changes; more: text after its label."""
+    one, value = PARAMETERS[name], now.parameter(name)
+    return _row(name, one.label + more, one.display_unit, value if value or more else "")
 
 
 def _quantity(now: RunStatus, name: str, label: str = "", least: float = 0.0) -> TextRow:
@@ -219,7 +220,6 @@ def _critical_rows(now: RunStatus) -> Iterator[TextRow]:
     if not terms or not terms[0].has_size:
         return
     (name,) = (one.name for one in terms[0].size_parameters)
-    yield _parameter(now, name)
     force, found = now.parameter(name), now.critical.value
     too_long = isinstance(found, str) and len(found) > WIDTH
     yield _row("critical_load", "critical force", "N", None if too_long else found)

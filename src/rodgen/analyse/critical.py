@@ -301,7 +301,7 @@ def critical_load(
     if simulate is not None:
         _check_simulate(simulate, load)
     family = load_family(system, t, speed, after, load)
-    if not family.n_modes:
+    if not family.lowest_frequency:
         raise AnalysisError("no mode can become unstable: all motions move the rod as a whole")
     if end not in (UPPER, LOWER):
         raise InputError("end", end, f"{UPPER} or {LOWER}")

@@ -139,9 +139,10 @@ class LoadFamily:
 
     @cached_property
     def lowest_frequency(self) -> float:
-        """Lowest frequency of the unloaded rod, without rigid motions [rad/s]."""
+        """Lowest frequency of the unloaded rod, without rigid motions [rad/s]; 0 of a rigid rod."""
         rates = np.sqrt(np.abs(self._modes[0]))
-        return float(rates[rates > RIGID * rates.max()].min())
+        elastic = rates[rates > RIGID * rates.max(initial=0.0)]
+        return float(elastic.min()) if len(elastic) else 0.0
 
     @cached_property
     def zero_tolerance(self) -> float:

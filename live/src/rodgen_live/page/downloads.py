@@ -85,7 +85,7 @@ class DownloadsPanel:
             start, end = (parse_number(given[name], name) for name in ("from", "to"))
             part = slice(*np.searchsorted(t, [start - HALF * t[-1], end + HALF * t[-1]]))
             if len(t[part]) < LEAST:
-                raise InputError("to", end, f"so that there are {LEAST} samples or more")
+                raise InputError("to", end, f"late enough for {LEAST} samples or more")
             self.page.start_task(self._download(solution.isel(part), ending, make))
 
         ends = {"from": ("from [s]", f"{t[0]:.6g}"), "to": ("to [s]", f"{t[-1]:.6g}")}

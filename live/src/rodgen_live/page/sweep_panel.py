@@ -132,7 +132,7 @@ class SweepPanel:
         when = f", loads as at t = {self._t:.3g} s" if self.page.scene.time_dependent_loads else ""
         special = self._found.get("special", ())
         points = (f"{KINDS.get(kind, kind)} at {value:.5g}" for value, kind in special)
-        return "; ".join(filter(None, (f"straight{when}: {words} {change}", *points, note)))
+        return "; ".join(filter(None, (f"{words} {change}{when}", *points, note)))
 
     def _set_marks(self) -> None:
         marks = (self.field.value, "now"), (self.critical, self._found.get("change", ""))

@@ -4,8 +4,8 @@ of a refusal."""
 from __future__ import annotations
 
 import re
+from collections import Counter
 from collections.abc import MutableMapping
-from contextlib import suppress
 from pathlib import Path
 from typing import Any, TypeGuard
 
@@ -18,8 +18,8 @@ from rodgen.scene.plain_tables import parse_toml
 from rodgen.scene.scene_files import read_table_files
 
 MOST_SCENES = 500  # of a folder
-MARK = "the line of a refusal"
-LINE = re.compile(r"\bline (\d+)")  # of what is no TOML, in its refusal
+LINE = re.compile(r"\bline (\d+)|at end of document")  # of what is no TOML, in its refusal
+HEAD = re.compile(r"\s*(\[\[?)\s*([\w.-]+)\s*\]")  # of a table, or of one of several
 PART = re.compile(r"[^.\[\]]+")  # of a dotted name such as bodies[1].mass
 
 
@@ -77,21 +77,20 @@ def refused_line(text: str, error: InputError) -> int | None:
     """Line of a text that an error is about, from 1 on: of its key, or of the innermost table that
     is there; None where there is none."""
     if error.field == "scene" and (found := LINE.search(error.allowed)):
-        return int(found[1])
-    try:
-        places: list[Any] = [document := tomlkit.parse(text)]
-    except TOMLKitError:
-        return None
-    with suppress(LookupError, TypeError, ValueError):  # the text has it no further
-        for part in PART.findall(error.field):
-            outer = places[-1]
-            places.append(outer[int(part) if isinstance(outer, list) else part])
-    for place in places[:0:-1]:
-        with suppress(AttributeError, TypeError, ValueError):  # of what can have no comment
-            place.comment(MARK)
-        if MARK in (marked := tomlkit.dumps(document)):
-            return marked[: marked.index(MARK)].count("\n") + 1
-    return None
+        return int(found[1] or text.rstrip().count("\n") + 1)
+    field, table, counts = PART.findall(error.field), "", Counter[str]()
+    line, most = None, 0
+    for number, written in enumerate(text.split("\n"), 1):
+        if head := HEAD.match(written):
+            table = head[2]
+            if head[1] == "[[":
+                counts[table] += 1
+                table += f"[{counts[head[2]] - 1}]"
+        name = PART.findall(table if head else f"{table}.{written.partition('=')[0].strip()}")
+        known = min(len(name), len(field))
+        if name[:known] == field[:known] and known > most:
+            line, most = number, known
+    return line
 
 
 class SceneFolder:

@@ -1,4 +1,4 @@
-"""Sweep of a number of a scene: stability of the straight rod, and its equilibria.
+"""Sweep of a number of a scene: stability of the steady state, and the equilibria.
 
 Computed in the process beside the server, a part at a time; a part is a dictionary that JSON has.
 """
@@ -55,8 +55,8 @@ def sweep(scene: Scene, key: str, low: float, high: float, t: float) -> Iterator
 
 
 def stability_row(system: System, key: str, value: float, t: float) -> Row:
-    """Row of the stability map: the value, the largest growth [1/s], and whether the straight rod
-    is stable, None where that failed."""
+    """Row of the stability map: the value, the largest growth [1/s], and whether the steady state
+    is stable (see natural_modes), None where that failed."""
     try:
         found = natural_modes(system.at({key: value}), MODES, t=t)
     except (AnalysisError, InputError):
@@ -78,8 +78,7 @@ def _name_number(scene: Scene, key: str) -> tuple[Scene, str]:
 
 
 def _change_of_stability(system: System, key: str, rows: list[Row], t: float) -> Part:
-    """First value at which the straight rod becomes unstable, or stable, and how; nothing without
-    one."""
+    """First value at which stability changes, and how; nothing without one."""
     known = [(value, stable) for value, _, stable in rows if stable is not None]
     for (low, before), (high, after) in pairwise(known):
         if before == after:
