@@ -220,6 +220,7 @@ class Toolbar:
         self.scenes.set_options(names | other, value=shown)
         text = self.page.run.texts.get(self.page.run.undo.file, "")
         self.about.set_text(first_sentence(text) or present)
+        self.about.props["title"] = self.about.text
         self.again.rename(f"Load {loadable} again, as it is in its file", AGAIN)
         self.again.set_enabled(loadable != OTHER)
 
