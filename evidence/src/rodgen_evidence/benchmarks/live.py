@@ -43,6 +43,7 @@ coefficient = 0.01
 [initial]
 phi = "0.1*cos(pi*s)"
 [integrate]
+span = [0.0, 1000.0]
 output_every = {every}
 """
 LINKS = (50, 500)
