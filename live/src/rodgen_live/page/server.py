@@ -28,7 +28,6 @@ from rodgen_live.page.elements import ICONS, STATIC, icon_font
 from rodgen_live.page.module_builder import ModuleBuilder
 from rodgen_live.page.page import ADDRESS, Page
 from rodgen_live.page.sessions import Sessions
-from rodgen_live.page.thumbnail import thumbnail
 from rodgen_live.page.toolbar import THUMBNAILS
 from rodgen_live.page.unreadable_messages import UnreadableFilter
 from rodgen_live.run.live_run import LiveRun
@@ -91,6 +90,8 @@ def _build_site(settings: ServerSettings, modules: ModuleBuilder) -> FastAPI:
 
     @site.get(THUMBNAILS + "{name}")
     def _(name: str) -> Response:
+        from rodgen_live.page.thumbnail import thumbnail  # and matplotlib, once a list is open
+
         try:
             return Response(thumbnail(folder.scene(name)), media_type="image/svg+xml")
         except InputError as error:
