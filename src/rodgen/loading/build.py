@@ -31,7 +31,7 @@ class HasStructure(Protocol):
 
     @property
     def structure(self) -> Structure:
-        """What its module is specialised to."""
+        """Structure of its module."""
 
 
 def build(
