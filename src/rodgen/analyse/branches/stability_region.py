@@ -148,11 +148,8 @@ class OutlineTracer:
             corner = Chord(boundary, here, beyond).locate(lambda point: _margin(boundary, point.u))
         except AnalysisError:
             return None, "", 0.0
-        s = _other_eigenvalues(boundary, corner.u)
-        next_one = s[_first_to_grow(boundary, s)]
-        slow = abs(next_one.imag) < STILL * np.abs(s).max()
-        kind = SLOWEST if slow and not boundary.omega else CORNER
-        return corner, kind, 0.0 if slow else abs(next_one.imag)
+        omega = _next_frequency(boundary, _other_eigenvalues(boundary, corner.u))
+        return corner, CORNER if omega or boundary.omega else SLOWEST, omega
 
     def _start_next_side(
         self, boundary: BoundaryProblem, corner: CurvePoint, omega: float
@@ -225,16 +222,20 @@ def _margin(boundary: BoundaryProblem, u: Array) -> float:
     return min([*meeting, -float(squares.real.max())])
 
 
-def _first_to_grow(boundary: BoundaryProblem, s: Any) -> int:
-    """Index of the eigenvalue of the other motion that is the next to grow."""
+def _next_frequency(boundary: BoundaryProblem, s: Any) -> float:
+    """Frequency [rad/s] of that of other motions, of these eigenvalues, that is the next to grow;
+    zero where it does not oscillate."""
     if boundary.damped:
-        return int(np.argmax(s.real))
+        omega = abs(s[np.argmax(s.real)].imag)
+        return float(omega) if omega >= STILL * np.abs(s).max() else 0.0
+    # Without damping a square reaches zero, or two meet. Which it is their distances tell: four
+    # eigenvalues at zero are known to the fourth root of a rounding alone.
     order = np.argsort((s**2).real)
     squares = (s[order] ** 2)[::2]
     apart = np.abs(np.diff(squares))
     if not len(apart) or np.abs(squares[-1]) < apart.min():
-        return int(order[-1])
-    return int(order[2 * int(np.argmin(apart))])
+        return 0.0
+    return float(abs(s[order[2 * int(np.argmin(apart))]].imag))
 
 
 def _convert_side(boundary: BoundaryProblem, side: Curve, begin: float) -> Curve:
