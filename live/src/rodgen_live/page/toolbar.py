@@ -30,9 +30,7 @@ ENDING = ".toml"
 OPENED = " (opened)"  # ends the name of a scene whose file was opened in the browser
 AGAIN = "restore_page"
 UNDO, REDO = ("Undo", "Ctrl+z"), ("Redo", "Ctrl+Shift+z")
-THUMBNAILS = (
-    "/live/thumbnails/"  # before the name of a scene of the folder: the address of its picture
-)
+THUMBNAILS = "/live/thumbnails/"  # before the name of a scene of the folder: its picture
 # What the list of scenes shows of each; v-if: of what is no file of the folder there is no picture.
 OPTION = f"""
     <q-item v-bind="props.itemProps" class="rg-scene">
