@@ -168,6 +168,20 @@ def test_a_pendulum_held_at_any_angle(angle: float) -> None:
     assert np.abs(found.phi) == pytest.approx(np.array([[1 / size]]), rel=1e-8)
 
 
+def test_motions_at_no_rate_are_rounding() -> None:
+    """Of a link that is pushed through its pin, and of chains without stiffness, which are bent by
+    nothing: more than their rigid motions stand still."""
+    pushed = natural_modes(rod(1, "pinned", THRUST, initial={"phi": 0.3}), frozen=True)
+    assert (len(pushed.frequencies), pushed.rigid, pushed.notes) == (0, 1, ())
+    for boundary, rigid in (("free", 3), ("pinned", 1)):
+        chain = rod(3, boundary, initial={"phi": "0.2*s"}, bending_stiffness=0.0)
+        found = natural_modes(chain, frozen=True)
+        assert (len(found.frequencies), found.rigid) == (0, rigid)
+        assert str(rigid) in str(found)
+    falling = natural_modes(rod(3, "free", {"gravity": {}}), frozen=True)
+    assert not any("not at rest" in note.text for note in falling.notes)
+
+
 def test_frozen_in_an_equilibrium_modes_are_those_about_it() -> None:
     scene = rod(4, "clamped", {"gravity": {"g": 2.0}} | THRUST)
     rest = rodgen.static_equilibrium(scene)

@@ -175,7 +175,7 @@ def test_what_is_no_state_or_key_is_refused() -> None:
     assert refused(system.at, {"rod.mass": -1.0})[:2] == ("rod.mass", -1.0)
     for asked, name in ((System, "scene"), (System.of, "system")):
         with pytest.raises(TypeError, match=name):
-            asked("missile.toml")  # type: ignore[operator]
+            asked("missile.toml")  # type: ignore[operator]  # of no kind that they take
 
 
 def test_rows_are_those_of_every_system() -> None:
@@ -225,4 +225,4 @@ def test_a_system_stands_where_a_scene_does() -> None:
     systems = [System(scene_of(rod={**ROD, "links": n})) for n in (2, 4, 8)]
     assert rodgen.richardson(systems, [1 + 1 / n**2 for n in (2, 4, 8)]).value == pytest.approx(1.0)
     with pytest.raises(TypeError, match="System"):
-        rodgen.build(3.0)  # type: ignore[arg-type]
+        rodgen.build(3.0)  # type: ignore[arg-type]  # of no kind that it takes

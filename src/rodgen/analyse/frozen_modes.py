@@ -13,6 +13,7 @@ from rodgen.arrays import Array
 
 STILL = 1e-7  # of the modulus: a real part below it is rounding
 GONE = 2 * np.pi / np.log(1e16)  # of the decay: a slower oscillation is rounding after a period
+UNSEEN = 1e-5  # rad over the span of a run: slower motions are rounding
 NUDGE = 1e-6  # rad, of the differences by which shapes are drawn: errors are its square
 
 
@@ -47,28 +48,31 @@ class FrozenMotions(NamedTuple):
     """Small motions about a shape in which a rod is taken to stand still, y = Re(q exp(s t)).
 
     s: (k,) [1/s], by frequency; q: (k, coordinates), shapes as changes of the coordinates;
-    displacements: (k, n+1, 2), of the joints, the largest 1; rigid: number of motions without
-    frequency that are left out; overdamped: number of those without oscillation; acceleration: the
-    largest of the coordinates at rest there, which is left out [rad/s^2, or m/s^2 of joint 0].
+    displacements: (k, n+1, 2), of the joints, the largest 1; still: number of motions at no rate,
+    which are left out; overdamped: number of those without oscillation, which are left out too;
+    accelerations: (coordinates,), at rest there, which are left out.
     """
 
     s: Complex
     q: Complex
     displacements: Complex
-    rigid: int
+    still: int
     overdamped: int
-    acceleration: float
+    accelerations: Array
 
 
-def frozen_motions(model: ModuleType, t: float, y: Array, p: Array, count: int) -> FrozenMotions:
+def frozen_motions(
+    model: ModuleType, t: float, y: Array, p: Array, count: int, span: float
+) -> FrozenMotions:
     """Compute the ``count`` motions of lowest frequency, and all that grow, about the positions of
     a state y (states,) at time t [s], by all eigenvalues of the module's Jacobian at rates of zero.
-    Forces that drive the rod away from there are left out."""
+    Forces that drive the rod away from there are left out. span: of a run [s], in which a motion
+    is seen."""
     half = (len(y) - len(getattr(model, "STATES", ()))) // 2
     at = y.copy()
     at[half : 2 * half] = 0.0
     s, vectors = np.linalg.eig(np.asarray(model.jac(t, at, p)))
-    moving = np.abs(s) > STILL * np.abs(s).max(initial=0.0)  # the others are rounding
+    moving = np.abs(s) > max(STILL * np.abs(s).max(initial=0.0), UNSEEN / span)
     s, vectors = s[moving].astype(complex), vectors[:half, moving]
     moves, kept = select_modes(s, count)
     q = vectors[:, kept].T.astype(complex)
@@ -78,7 +82,7 @@ def frozen_motions(model: ModuleType, t: float, y: Array, p: Array, count: int) 
         s[kept],
         q / largest[:, None],
         moved / largest[:, None, None],
-        rigid=int((~moving).sum()) // 2,
+        still=int((~moving).sum()) // 2,
         overdamped=int((~moves & (s.imag >= 0) & (s.real < -STILL * np.abs(s))).sum()),
-        acceleration=float(np.abs(model.rhs(t, at, p)[half : 2 * half]).max()),
+        accelerations=model.rhs(t, at, p)[half : 2 * half],
     )

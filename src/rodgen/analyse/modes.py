@@ -27,6 +27,7 @@ from rodgen.analyse.equilibrium_equations import free_directions
 from rodgen.analyse.frozen_modes import (
     NUDGE,
     STILL,
+    UNSEEN,
     frozen_motions,
     joint_displacements,
     select_modes,
@@ -251,11 +252,13 @@ def modes_about(state: SteadyState, count: int) -> Modes:
 def _modes_about_shape(rod: SteadyRod, count: int) -> Modes:
     """Compute modes about the positions of the initial state, as if the rod stood still there."""
     y, p = rod.system.y0, rod.system.p
-    found = frozen_motions(rod.model, rod.t, y, p, count)
+    span = float(np.ptp(rod.system.settings.span))
+    found = frozen_motions(rod.model, rod.t, y, p, count, span)
     growth = _without_rounding(found.s, STILL, 0.0)
     phi, moved = _real_shapes(rod, found.q, found.displacements)
-    moves = bool(found.acceleration > STILL * np.abs(found.s).max(initial=0.0) ** 2)
-    at = f"of up to {found.acceleration:.3g} rad/s^2 are left out"
+    turning = float(np.abs(found.accelerations[rod.n_base :]).max())  # falling changes no shape
+    moves = turning > max(STILL * np.abs(found.s).max(initial=0.0) ** 2, UNSEEN / span**2)
+    at = f"of up to {turning:.3g} rad/s^2 are left out"
     return Modes(
         frequencies=found.s.imag / (2 * np.pi),
         growth=growth,
@@ -263,11 +266,11 @@ def _modes_about_shape(rod: SteadyRod, count: int) -> Modes:
         displacements=moved,
         joints=rod.model.joints(y, p),
         state=f"the shape at t = {rod.t:g} s, taken to stand still",
-        rigid=found.rigid,
+        rigid=min(found.still, rod.n_base + (not rod.is_clamped)),  # of a chain more stand still
         overdamped=found.overdamped,
         notes=(
             *_instability_doubts(growth),
-            *remarks((f"the rod is not at rest in this shape: accelerations {at}",) * moves),
+            *remarks((f"the rod is not at rest in this shape: accelerations {at}",) * bool(moves)),
             *remarks(mesh_notes(rod.scene)),
         ),
         system=rod.system,

@@ -44,10 +44,11 @@ def mode_shapes(scene: Scene, t: float, y: list[float], p: list[float]) -> Work:
         links = scene.rod.links
         raise InputError("rod.links", links, f"at most {MOST_LINKS} for modes on the page")
     model = build_fastest(scene)
-    found = frozen_motions(model, t, np.array(y), np.array(p), MOST_MODES)
+    span = float(np.ptp(scene.integrate.span))
+    found = frozen_motions(model, t, np.array(y), np.array(p), MOST_MODES, span)
     named = [
         f"{k}: {s.imag / (2 * np.pi):.4g} Hz" + ", grows" * bool(s.real > GROWS * abs(s))
-        for k, s in enumerate(found.s, 1)
+        for k, s in enumerate(found.s[:MOST_MODES], 1)  # of a chain upside down each grows
     ]
     yield [
         {
@@ -56,7 +57,7 @@ def mode_shapes(scene: Scene, t: float, y: list[float], p: list[float]) -> Work:
             "re": shape.real.ravel().round(6).tolist(),
             "im": shape.imag.ravel().round(6).tolist(),
         }
-        for name, shape in zip(named, found.displacements, strict=True)
+        for name, shape in zip(named, found.displacements, strict=False)
     ]
 
 
