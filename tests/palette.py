@@ -75,7 +75,7 @@ LAWS = (
         "P0 * (1 + tanh(vx(0.6)) * x(0.3)) + interp(y(1), [k1, k2, k3], [v1, v2, v3])"
         " + interp(y(1) + t, shape, 'cubic')",
     ),
-    ("follower_angle", "max(-c, min(c, gimbal, 2.0), sin(omega(0.3)) - abs(phi(0)))"),
+    ("follower_angle", "max(-c, min(c, gimbal, 2.0), sin(omega(0.3)) - deg(40 * abs(phi(0))))"),
     (
         "tip_force_y",
         "filtered ** 2 * exp(-t) if vy(0.55) < b else cos(filtered) / (1 + phi(1) ** 2)",

@@ -57,6 +57,9 @@ def test_units_of_expressions(catalogue: Catalogue) -> None:
         ("tip_x*interp(t, [0, 1], [0, 1])", ""),
         ("max(phi_0, 0) if t < 1 else phi_1", "rad"),
         ("sin(phi_0)", ""),
+        ("deg(5) - phi_0", "rad"),
+        ("phi_0/deg(1)", ""),  # a number of degrees
+        ("tip_x*deg(30*t/t)", "m rad"),
         ("tip_x + phi_0", ""),  # no unit
         ("tip_x**t", ""),
     ):

@@ -25,6 +25,7 @@ VALUES = [
     ("1 if t < (2 if t < 3 else t + 1) else 0", 5.0, 1.0),
     ("1if t<1else 2", 3.0, 2.0),  # of which Python itself would warn, which is an error here
     ("+".join(["t"] * 150), 2.0, 300.0),
+    ("deg(90*t) - deg(-2)/t + sin(deg(30))", 2.0, math.pi + math.pi / 180 + 0.5),
     ("tanh(t) + exp(-t)*log(t)/sqrt(t) + abs(cos(t) - tan(t))", 2.0, None),
 ]
 
@@ -45,6 +46,7 @@ OTHER = [
     *("1 < t < 2 if t < 1 else 0", "t == 1", "not t", "t and 1", "t // 2", "t % 2", "t @ t"),
     *("t << 1", "1j", "True", "None", "...", "min(t)", "sin(t, t)", "sin()", "sin(x=t)"),
     *("min(*t)", "sin", "pi(t)", "t := 1", "(yield)", "t; t", "t\nt", "", " ", "1e999"),
+    *("deg()", "deg(1, 2)", "deg", "30*deg", "deg(x)"),
     *("9" * 400, "t" * 2000, "(" * 500 + "t" + ")" * 500, "-" * 900 + "t", "t\0"),
     *("t + 0/0", "t + log(-1)", "t*(-1)**0.5", "10**999 + t", "t if 1 < (2 < 3) else t"),
     *("1 if t > 1 if 2 < 3 else t else 0", "1if t<1else foo"),
@@ -64,6 +66,7 @@ def test_break_points() -> None:
         ("abs(sin(t))", [math.pi]),
         ("1 if t < 1 else 2 if t < 2.5 else 3", [1.0, 2.5]),
         ("sin(t)", []),
+        ("min(deg(t), deg(0.75)) + deg(abs(t - 2))", [0.75, 2.0]),
         ("t**2 + 1", []),
         ("abs(0*t)", []),
         # between two samples, and where the comparison is no number on one side
@@ -87,6 +90,7 @@ def test_poles() -> None:
         ("3 - 1e-3/(t - 0.50013)**2", [0.50013]),
         ("1/abs(t - 0.50013) + (t - 2)**-1", [0.50013, 2.0]),
         ("tan(t)", [math.pi / 2, 1.5 * math.pi]),
+        ("tan(deg(45*t))", [2.0]),
         ("exp(1/(t - 1))", [1.0]),
         ("1/(t - 1) if t > 1 else 0", [1.0]),
         ("1/sqrt(t - 1)", [1.0]),
@@ -112,6 +116,7 @@ def test_slopes_are_differences() -> None:
     for text in (
         *("sin(t) * cos(2*t) - t", "tan(t/3) / (2 + t**3)", "exp(-t) - log(1 + t)"),
         *("sqrt(1 + t**2) * tanh(t)", "abs(t - 1) + abs(t)", "(1 + t) ** (2*t)"),
+        *("deg(t**2) * sin(deg(90*t))", "abs(deg(t - 1))"),
         *("min(t, 1 - t, 0.45)", "max(t**2, 1 - t, 0.5)", "t if t < 0.5 else 3*t"),
         "interp(t, [0, 0.4, 1], [1, 3, 2], 'cubic')",
     ):

@@ -21,6 +21,7 @@ from tests.palette import cases
 LAWS = (
     "k * (d + a * d ** 3)",
     "k * tanh(a * d) + b * d",
+    "min(deg(a) * d, k) + sin(deg(b * d))",
     "min(max(k * d, -a), b)",
     "k * d + (a * (d - b) if d > b else a * max(d, b) - a * b)",
     "k * d * (a + abs(d)) + pi * sin(b * d)",

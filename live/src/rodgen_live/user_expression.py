@@ -154,7 +154,7 @@ SYMBOL = re.compile(r"([A-Za-z]+)([⁰¹²³⁴⁵⁶⁷⁸⁹]*)")
 FAR = 1e15 * np.random.default_rng(0).normal(size=(LONGEST, 1, 16))
 # Functions for units; the numbers of a table have some that nobody tells.
 PLAIN: dict[str, Callable[..., Any]] = {
-    **dict.fromkeys(FUNCTIONS, lambda *_: np.float64(1)),
+    **{name: lambda *_, unit=of.unit: _factors(unit) for name, of in FUNCTIONS.items()},
     "abs": np.abs,
     "sqrt": np.sqrt,
     TABLE: lambda *_: np.float64(np.nan),

@@ -26,7 +26,7 @@ from rodgen.emit.spring_expression import law_of
 from rodgen.loading.generated_module import structure_of
 from rodgen.model.rod import BOUNDARIES
 from rodgen.model.terms import EMPTYING, PARAMETERS
-from rodgen.scene import spring_law
+from rodgen.scene import grammar, spring_law
 from rodgen.scene.expression import Expression
 from rodgen.scene.grammar import LINEAR, TABLE, Sensor, TableData
 
@@ -49,9 +49,7 @@ def _table(table: TableData, x: Any, kind: str) -> Any:
 
 
 # Functions of the grammar of expressions.
-FUNCTIONS = {
-    name: getattr(mp, name) for name in ("sin", "cos", "tan", "exp", "log", "sqrt", "tanh")
-}
+FUNCTIONS = {name: getattr(mp, name) for name in grammar.FUNCTIONS if hasattr(mp, name)}
 FUNCTIONS |= {TABLE: _table}
 
 

@@ -31,10 +31,12 @@ BINARY: dict[type[ast.operator], Callable[[Any, Any], Any]] = {
     ast.Div: lambda a, b: a / b,
 }
 
-FUNCTIONS: dict[str, Any] = {
-    name: getattr(sympy, name) for name in ("sin", "cos", "tan", "exp", "log", "tanh")
+CAPITAL = "abs", "min", "max"  # which SymPy spells Abs, Min, Max
+FUNCTIONS = {
+    name: getattr(sympy, name.title() if name in CAPITAL else name)
+    for name, of in grammar.FUNCTIONS.items()
+    if not of.meaning
 }
-FUNCTIONS |= {"abs": sympy.Abs, "sqrt": sympy.sqrt, "min": sympy.Min, "max": sympy.Max}
 
 
 def law_of(structure: Structure) -> Expr:
@@ -61,6 +63,8 @@ def _expression(node: ast.expr) -> Any:
         return _expression(node.left) ** int(grammar.evaluate(node.right, {}))
     parts = [_expression(child) for child, _ in grammar.children(node)]
     match node:
+        case ast.Constant(value=int() as whole):  # of what a function stands for
+            return sympy.Integer(whole)
         case ast.Name(id=name):
             # Numbers are not negative, which the scene has seen to.
             known = {spring_law.BEND: bend, spring_law.STIFFNESS: k, "pi": sympy.pi}
@@ -75,5 +79,5 @@ def _expression(node: ast.expr) -> Any:
             condition, value, other = parts
             return Piecewise((value, condition), (other, True))
         case ast.Call(func=ast.Name(id=name)):
-            return FUNCTIONS[name](*parts)
+            return FUNCTIONS[name](*parts) if name in FUNCTIONS else parts[0]
     raise AssertionError(f"unchecked node {node!r}")

@@ -44,8 +44,9 @@ class PartFunction:
 class Expression:
     """A checked expression in one variable and in numbers that have names.
 
-    field: where it stands, for error messages; numbers: those that it may name, and tables, whose
-    names stand in quotes; states: names of states that it may follow, with sensors; None: neither.
+    variable: "" of one that has none; field: where it stands, for error messages; numbers: those
+    that it may name, and tables, whose names stand in quotes; states: names of states that it may
+    follow, with sensors; None: neither.
     """
 
     text: str
@@ -104,7 +105,8 @@ class Expression:
         names = (self.variable, *named, *(self.states or ()))
         sensed = grammar.SENSED if self.states is not None else ""
         hint = "" if allowed else grammar.suggest(node, names)
-        allowed = allowed or grammar.ALLOWED.format(names=", ".join(names)) + sensed
+        known = ", ".join(filter(None, ("numbers", *names, "pi")))
+        allowed = allowed or grammar.ALLOWED.format(names=known) + sensed
         where = "" if part == self.text else f" (not {shorten(part)})"
         return InputError(self.field, self.text, allowed + where + hint)
 

@@ -123,7 +123,7 @@ def _numbers_outside_tables(node: ast.expr) -> Iterator[ast.expr]:
         case ast.BinOp(left=left, op=ast.Pow(), right=right) if grammar.is_whole_number(right):
             yield from _numbers_outside_tables(left)
         case _:
-            for child, _ in grammar.children(node):
+            for child, _ in grammar.written_parts(node):
                 yield from _numbers_outside_tables(child)
 
 

@@ -1,9 +1,10 @@
 """Grammar of expressions: which texts are allowed, their values, and their code.
 
     numbers, the variable, names of numbers, pi, + - * / **, comparisons, `a if c else b`,
-    sin cos tan exp log sqrt abs min max tanh, interp(x, [knots], [values]) and, as a monotone
-    cubic, interp(x, [knots], [values], 'cubic'), and in expressions that may follow the motion
-    its states and phi(s) omega(s) x(s) y(s) vx(s) vy(s), the sensors at a fixed s in [0, 1]
+    sin cos tan exp log sqrt abs min max tanh, deg of an angle in degrees, interp(x, [knots],
+    [values]) and, as a monotone cubic, interp(x, [knots], [values], 'cubic'), and in expressions
+    that may follow the motion its states and phi(s) omega(s) x(s) y(s) vx(s) vy(s), the sensors
+    at a fixed s in [0, 1]
 
 The text is parsed to a syntax tree (which runs nothing), every node of it is checked against
 the list above, and the tree is walked to compute values, to find break points and to print code.
@@ -49,6 +50,7 @@ from rodgen.scene.grammar.syntax_tree import (
     signals_in,
     table_in_call,
     table_names,
+    written_parts,
 )
 from rodgen.scene.grammar.table_data import TableData
 from rodgen.scene.grammar.vocabulary import ALLOWED, CUBIC, FUNCTIONS, LINEAR, SENSED, SLOPE, TABLE

@@ -58,7 +58,7 @@ def evaluate(node: ast.AST, names: Mapping[str, Any], functions: Functions | Non
             made: Callable[..., Any] = (functions or {}).get(TABLE, TableData.at)
             return made(table_numbers(table, names), values[0], table.kind)
         case ast.Call(func=ast.Name(id=name)):
-            return (functions or {}).get(name, FUNCTIONS[name][2])(*values)
+            return (functions or {}).get(name, FUNCTIONS[name].value)(*values)
     raise AssertionError(f"unchecked node {node!r}")
 
 
@@ -167,7 +167,9 @@ def to_source(
         case ast.Call(func=ast.Name(id=name)):
             function = language.names.get(name, f"{language.prefix}{name}")
             total = parts[0]
-            if FUNCTIONS[name][1] == 1:
+            if FUNCTIONS[name].meaning:
+                return total
+            if FUNCTIONS[name].most == 1:
                 return f"{function}({total})"
             for part in parts[1:]:
                 total = f"{function}({total}, {part})"

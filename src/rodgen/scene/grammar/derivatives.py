@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import ast
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from functools import lru_cache
 
 from rodgen.scene.grammar.syntax_tree import (
@@ -12,6 +12,8 @@ from rodgen.scene.grammar.syntax_tree import (
     children,
     find_tables,
     is_table,
+    make_tree,
+    meaning_of,
     names_in,
     table_in_call,
     with_kind,
@@ -43,6 +45,8 @@ def derivative(node: ast.expr, by: str) -> ast.expr | None:
         case ast.IfExp(test=test):
             _, body, orelse = slopes
             return _choice(test, body, orelse)
+        case ast.Call() if meaning_of(node):
+            return slopes[0]
         case ast.Call() if is_table(node):
             return _product(with_kind(node, table_in_call(node).kind + SLOPE), slopes[0])
         case ast.Call(func=ast.Name(id="min" | "max" as name), args=[*first, last]) if first:
@@ -51,23 +55,9 @@ def derivative(node: ast.expr, by: str) -> ast.expr | None:
             test = ast.Compare(rest, [smaller], [last])
             return _choice(test, derivative(rest, by), slopes[-1])
         case ast.Call(func=ast.Name(id=name), args=[arg]) if name in FUNCTIONS:
-            return _product(_SLOPES[name](arg, node), slopes[0])
+            slope = make_tree(FUNCTIONS[name].slope, {"x": arg, "f": node})
+            return _product(slope, slopes[0])
     return ast.Constant(1.0)  # itself
-
-
-# Slopes of functions of one number, by it and by the call itself.
-_SLOPES: dict[str, Callable[[ast.expr, ast.expr], ast.expr]] = {
-    "sin": lambda x, _: _call("cos", x),
-    "cos": lambda x, _: ast.UnaryOp(ast.USub(), _call("sin", x)),
-    "tan": lambda _, made: _one_and_square(made, ast.Add),
-    "exp": lambda _, made: made,
-    "log": lambda x, _: _quotient(ast.Constant(1.0), x),
-    "sqrt": lambda _, made: _quotient(ast.Constant(0.5), made),
-    "tanh": lambda _, made: _one_and_square(made, ast.Sub),
-    "abs": lambda x, _: ast.IfExp(
-        ast.Compare(x, [ast.Lt()], [ast.Constant(0.0)]), ast.Constant(-1.0), ast.Constant(1.0)
-    ),
-}
 
 
 def _call(name: str, *args: ast.expr) -> ast.expr:
@@ -91,11 +81,6 @@ def _choice(test: ast.expr, body: ast.expr | None, orelse: ast.expr | None) -> a
     if not (body or orelse):
         return None
     return ast.IfExp(test, body or ast.Constant(0.0), orelse or ast.Constant(0.0))
-
-
-def _one_and_square(node: ast.expr, sign: type[ast.operator]) -> ast.expr:
-    """One minus, or plus, the square of a tree."""
-    return ast.BinOp(ast.Constant(1.0), sign(), ast.BinOp(node, ast.Mult(), node))
 
 
 Pair = tuple[ast.expr, ast.expr | None]
@@ -126,8 +111,8 @@ def _kinks(node: ast.AST, variable: str) -> Iterator[Pair]:
 
 def conditions(node: ast.AST) -> frozenset[Pair]:
     """Pairs that conditions compare: where their difference is zero, what is chosen may jump."""
-    found = (one for one in ast.walk(node) if isinstance(one, ast.Compare))
-    return frozenset((one.left, one.comparators[0]) for one in found)
+    own = {(node.left, node.comparators[0])} if isinstance(node, ast.Compare) else set()
+    return frozenset(own).union(*(conditions(child) for child, _ in children(node)))
 
 
 def tables_in_variable(node: ast.AST, variable: str) -> Iterator[InterpolationTable]:

@@ -14,6 +14,7 @@ from rodgen.scene.grammar.code_generation import evaluate, is_whole_number
 from rodgen.scene.grammar.syntax_tree import (
     constant_value,
     is_table,
+    meaning_of,
     names_in,
     sensor_of,
     table_in_call,
@@ -109,7 +110,7 @@ def affine_core(node: ast.expr, changing: frozenset[str]) -> tuple[ast.expr, tup
 
     steps: list[Step] = []
     while True:
-        match node:
+        match meaning_of(node) or node:
             case ast.UnaryOp(op=op, operand=inner):
                 steps.append((type(op), None))
             case ast.BinOp(

@@ -5,7 +5,7 @@ from __future__ import annotations
 import ast
 import math
 import warnings
-from collections.abc import Callable, Container, Iterator, Sequence
+from collections.abc import Callable, Container, Iterator, Mapping, Sequence
 from functools import lru_cache
 from itertools import accumulate, pairwise
 from typing import NamedTuple, TypeGuard
@@ -113,7 +113,7 @@ def check_tree(
         case ast.IfExp():
             pass
         case ast.Call(func=ast.Name(id=name), args=args, keywords=[]) if name in FUNCTIONS:
-            least, most, _ = FUNCTIONS[name]
+            least, most = FUNCTIONS[name].least, FUNCTIONS[name].most
             if len(args) < least or (most is not None and len(args) > most):
                 raise refuse(node, "")
         case ast.Call(func=ast.Name(id=name), keywords=[]) if name == TABLE:
@@ -164,11 +164,36 @@ def _check_table(
 # Trees are never changed, and walked again and again.
 @lru_cache(maxsize=KEPT)
 def children(node: ast.AST) -> tuple[tuple[ast.expr, bool], ...]:
-    """The parts of a node, and whether each is to be a condition; a table's numbers are none."""
-    return tuple(_parts(node))
+    """The parts of a node, and whether each is to be a condition; a table's numbers are none, and
+    the part of a call that stands for something else is that."""
+    meaning = meaning_of(node)
+    return tuple(written_parts(node)) if meaning is None else ((meaning, False),)
 
 
-def _parts(node: ast.AST) -> Iterator[tuple[ast.expr, bool]]:
+@lru_cache(maxsize=KEPT)
+def meaning_of(node: ast.AST) -> ast.expr | None:
+    """What a call stands for, in terms of other functions; None for any other node."""
+    match node:
+        case ast.Call(func=ast.Name(id=name), args=[x]) if (
+            name in FUNCTIONS and FUNCTIONS[name].meaning
+        ):
+            return make_tree(FUNCTIONS[name].meaning, {"x": x})
+    return None
+
+
+def make_tree(text: str, trees: Mapping[str, ast.expr]) -> ast.expr:
+    """Make the tree of a text, with other trees in place of some names."""
+
+    class Filled(ast.NodeTransformer):
+        def visit_Name(self, name: ast.Name) -> ast.expr:
+            return trees.get(name.id, name)
+
+    made: ast.expr = Filled().visit(ast.parse(text, mode="eval").body)
+    return made
+
+
+def written_parts(node: ast.AST) -> Iterator[tuple[ast.expr, bool]]:
+    """Yield the parts of a node as they stand in its text, like `children`."""
     match node:
         case ast.BinOp(left=left, right=right):
             yield from ((left, False), (right, False))

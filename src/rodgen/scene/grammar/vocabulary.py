@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import ast
 from collections.abc import Callable
+from dataclasses import dataclass
 from functools import reduce
 from typing import Any
 
@@ -13,17 +14,37 @@ LINEAR, CUBIC = "linear", "cubic"
 TABLE = "interp"
 SLOPE = "_slope"  # of a table: what its kind ends in where its derivative is meant
 SENSORS = ("phi", "omega", "x", "y", "vx", "vy")
-FUNCTIONS: dict[str, tuple[int, int | None, Callable[..., Any]]] = {
-    "sin": (1, 1, np.sin),
-    "cos": (1, 1, np.cos),
-    "tan": (1, 1, np.tan),
-    "exp": (1, 1, np.exp),
-    "log": (1, 1, np.log),
-    "sqrt": (1, 1, np.sqrt),
-    "abs": (1, 1, np.abs),
-    "tanh": (1, 1, np.tanh),
-    "min": (2, None, lambda *a: reduce(np.minimum, a)),
-    "max": (2, None, lambda *a: reduce(np.maximum, a)),
+
+
+@dataclass(frozen=True)
+class Function:
+    """A function of expressions.
+
+    value: of NumPy's numbers; slope: its derivative, as text in its number x and its value f;
+    least, most: how many numbers it takes; meaning: text in x for which it stands, whose value,
+    code and derivative are then its own; unit: of its value.
+    """
+
+    value: Callable[..., Any]
+    slope: str = ""
+    least: int = 1
+    most: int | None = 1
+    meaning: str = ""
+    unit: str = ""
+
+
+FUNCTIONS = {
+    "sin": Function(np.sin, "cos(x)"),
+    "cos": Function(np.cos, "-sin(x)"),
+    "tan": Function(np.tan, "1 + f*f"),
+    "exp": Function(np.exp, "f"),
+    "log": Function(np.log, "1/x"),
+    "sqrt": Function(np.sqrt, "0.5/f"),
+    "abs": Function(np.abs, "-1 if x < 0 else 1"),
+    "tanh": Function(np.tanh, "1 - f*f"),
+    "min": Function(lambda *a: reduce(np.minimum, a), least=2, most=None),
+    "max": Function(lambda *a: reduce(np.maximum, a), least=2, most=None),
+    "deg": Function(np.positive, meaning="x*(pi/180)", unit="rad"),
 }
 BINARY: dict[type[ast.operator], tuple[str, Callable[..., Any]]] = {
     ast.Add: ("+", np.add),
@@ -43,7 +64,7 @@ COMPARE: dict[type[ast.cmpop], tuple[str, Callable[..., Any]]] = {
     ast.GtE: (">=", np.greater_equal),
 }
 ALLOWED = (
-    "an expression of numbers, {names}, pi, + - * / **, < <= > >=, `a if c else b`, "
+    "an expression of {names}, + - * / **, < <= > >=, `a if c else b`, "
     + " ".join(FUNCTIONS)
     + " and interp(x, [knots], [values]) or interp(x, 'table')"
 )
