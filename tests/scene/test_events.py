@@ -65,7 +65,7 @@ def test_names_are_those_of_the_module() -> None:
 WRONG: list[tuple[str, Any]] = [
     *(("quantity", f"phi_{i}") for i in ("3", "01", "-1", "{}", "\u0661", "9" * 5000)),
     *(("quantity", value) for value in ("joint_4_x", "tip", "", 3)),
-    *(("value", value) for value in ("1", math.nan, math.inf, 1e61)),
+    *(("value", value) for value in ("1 rad", math.nan, math.inf, 1e61)),
     *(("direction", value) for value in ("up", 1)),
     *(("action", value) for value in ("halt", None)),
     *(("name", value) for value in ("", " ", "a\nb", "a" * 65, 7)),

@@ -67,7 +67,7 @@ def test_a_rate_that_cannot_be_is_refused() -> None:
     for table, key, value in (
         ({"rate": 1.0, "start": 0.0}, "start", 0.0),
         ({"initial": 0.0}, "rate", Missing),
-        ({"rate": 1.0, "initial": "0"}, "initial", "0"),
+        ({"rate": 1.0, "initial": "t"}, "initial", "t"),
     ):
         assert refused(_with, loads={}, states={"a": table})[:2] == (f"states.a.{key}", value)
 

@@ -3,6 +3,9 @@ where they stand in the text."""
 
 from __future__ import annotations
 
+import math
+import pickle
+import tomllib
 from pathlib import Path
 from typing import Any
 
@@ -13,6 +16,8 @@ from scipy.interpolate import PchipInterpolator
 from rodgen.scene import Scene
 from rodgen.scene.expression import Expression, open_expression
 from rodgen.scene.literals import literals, replace_literal
+from rodgen.scene.plain_tables import set_at
+from rodgen.system import System
 from tests.scene.tables import TOML, scene_of
 from tests.told import refused
 
@@ -29,6 +34,7 @@ def test_every_number_but_a_whole_exponent_gets_a_name() -> None:
         ("t**2 + t**-3 + t**0.5 + 2**t", {"f_1": 0.5, "f_2": 2.0}),  # whole exponents stay
         ("interp(t, [-1, 2], [3, -4]) + 5", {**knots, "f_1": 5.0}),
         ("sin(2*pi*t)", {"f_1": 2.0}),
+        ("deg(30)*sin(deg(5*t))", {"f_1": 30.0, "f_2": 5.0}),  # in degrees
     ):
         expression = Expression(text, "t")
         named, found = expression.with_parameters("f")
@@ -69,12 +75,101 @@ def test_a_named_number_serves_in_several_places() -> None:
 
 
 def test_a_name_that_cannot_be_is_refused() -> None:
-    for name in ("t", "mass", "follower_force_1", "sin", "lambda", "phi", "_x", "é"):
+    for name in ("t", "mass", "follower_force_1", "sin", "deg", "lambda", "phi", "_x", "é"):
         assert refused(scene, "t + 1", parameters={name: 1.0})[:2] == (f"parameters.{name}", name)
     assert refused(scene, "t", parameters={"P0": 1.0, "p0": 1.0})[:2] == ("parameters.p0", "p0")
-    for value in ("2", float("inf")):
+    for value in ("P0", "2*t", float("inf")):
         assert refused(scene, "t", parameters={"P0": value})[:2] == ("parameters.P0", value)
     assert refused(scene, "t", numbers={"P0": 2.0})[:2] == ("numbers", {"P0": 2.0})
+
+
+def test_a_number_may_be_an_expression_of_named_ones() -> None:
+    """It is computed with as a number, kept as its text, and follows the numbers that it names."""
+    given: dict[str, Any] = {
+        "parameters": {"tilt": "deg(15)", "size": 2},
+        "rod": {
+            "links": 3,
+            "length": "size/2",
+            "boundary": "clamped",
+            "clamp_angle": "deg(90) + tilt",
+            "bending_stiffness": ["size", 3, "1 + 1", 4.0],
+        },
+        "bodies": [{"name": "b", "at": "1/2", "mass": 1.0, "offset": [0.0, "size"]}],
+        "supports": [{"at": 1.0, "to": ["size", 0], "rotation": "10*size"}],
+        "loads": {
+            "gravity": {"g": "9.81*cos(deg(60))"},
+            "external_damping": {"coefficient": 1.0, "fin_factor": [0, 0, "size", 0]},
+            "distributed_follower": {"force_per_length": [1, "deg(180)", 2]},
+        },
+        "states": {"lag": {"rate": 0.0, "initial": "-deg(10)"}},
+        "initial": {"phi": ["deg(30)", 0.5, "2*tilt"], "omega": ["-size", 0, "min(1, tilt)"]},
+        "events": [{"quantity": "phi_2", "value": "deg(40)"}],
+    }
+    for tilt, size in ((math.pi / 12, 2.0), (0.1, 3.0)):
+        made = scene_of(**given).replace({"parameters.tilt": tilt, "parameters.size": size})
+        plain = scene_of(**given).replace(
+            {
+                "parameters": None,
+                "rod.length": size / 2,
+                "rod.clamp_angle": math.pi / 2 + tilt,
+                "rod.bending_stiffness": [size, 3.0, 2.0, 4.0],
+                "bodies.b.at": 0.5,
+                "bodies.b.offset.1": size,
+                "supports.0.to.0": size,
+                "supports.0.rotation": 10 * size,
+                "loads.gravity.g": 9.81 / 2,
+                "loads.external_damping.fin_factor.2": size,
+                "loads.distributed_follower.force_per_length.1": math.pi,
+                "states.lag.initial": -math.pi / 18,
+                "initial.phi": [math.pi / 6, 0.5, 2 * tilt],
+                "initial.omega": [-size, 0.0, min(1.0, tilt)],
+                "events.0.value": math.pi / 4.5,
+            }
+        )
+        assert made.structure == plain.structure
+        for name, value in plain.parameters.items():
+            np.testing.assert_allclose(made.parameters[name], value, rtol=1e-14)
+        np.testing.assert_allclose(made.initial_state(), plain.initial_state(), rtol=1e-14)
+        assert made.events[0].value == pytest.approx(plain.events[0].value, rel=1e-14)
+        assert made.value_of("initial.phi.0") == pytest.approx(math.pi / 6, rel=1e-14)
+        for again in (made, pickle.loads(pickle.dumps(made)), Scene.from_dict(made.to_dict())):
+            assert again.to_dict()["initial"]["phi"] == given["initial"]["phi"]
+            assert again.to_dict()["rod"]["clamp_angle"] == "deg(90) + tilt"
+            assert again.to_dict()["events"][0]["value"] == "deg(40)"
+        assert tomllib.loads(made.to_toml())["loads"]["gravity"]["g"] == "9.81*cos(deg(60))"
+        # The same where other values need no other scene, and where the slot of a key is asked.
+        system = System(scene_of(**given)).at({"parameters.tilt": tilt, "parameters.size": size})
+        np.testing.assert_array_equal(system.y0, made.initial_state())
+        system = system.at({"initial.phi.1": 0.25, "initial.phi.2.0": 3.0})
+        assert system.y0[:3] == pytest.approx([math.pi / 6, 0.25, 3 * tilt], rel=1e-14)
+
+
+def test_an_expression_that_is_no_such_number_is_refused() -> None:
+    """The message names the entry of a list, its text and what may stand there."""
+    for field, text in (
+        ("initial.phi.1", "deg(s)"),
+        ("initial.phi.1", "deg(B)"),
+        ("initial.omega.2", "1/0"),
+        ("initial.position.0", "t"),
+        ("rod.bending_stiffness.3", "-deg(1)"),
+        ("rod.length", "A - A"),
+        ("rod.mass", "deg("),
+        ("loads.gravity.g", "phi(0.5)"),
+        ("parameters.A", "2*A"),
+        ("integrate.span.1", "2*pi"),
+    ):
+        table, _, at = field.rpartition(".")
+        given = scene_of(
+            parameters={"A": 1.0},
+            rod={"links": 3, "bending_stiffness": [1.0] * 4},
+            loads={"gravity": {}},
+            initial={"phi": [0.0] * 3, "omega": [0.0] * 3, "position": ["A", 0]},
+        ).to_dict()
+        set_at(given, [*table.split("."), at], text)
+        told = refused(Scene.from_dict, given)
+        assert told[:2] == (field, text)
+        limit = {"-deg(1)": "at least 0", "A - A": "greater than 0", "2*pi": "a number"}
+        assert limit.get(text, "a number or an expression") in told.allowed
 
 
 KNOTS, VALUES = [0.0, 0.1, 2.0, 2.5, 5.0], [0.0, 310.0, 290.0, 290.0, -3.0]

@@ -66,7 +66,7 @@ def test_what_is_no_place_is_refused() -> None:
         ({"force": 3.0, "place": 0.3}, "place", 0.3),
     ):
         assert refused(_rod, [{"force": 3.0}, table])[:2] == (f"loads.follower.1.{key}", value)
-    assert refused(_rod, {"force": 3.0, "at": "0.3"})[:2] == ("loads.follower.at", "0.3")
+    assert refused(_rod, {"force": 3.0, "at": "4*0.3"})[:2] == ("loads.follower.at", "4*0.3")
     for tables in ([{"force": 1.0}] * 101, 3):
         assert refused(_rod, tables)[:2] == ("loads.follower", tables)
 

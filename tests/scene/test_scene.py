@@ -32,7 +32,7 @@ REFUSED: list[tuple[Any, ...]] = [
     ({"rod.boundary": "cantilever", "rod.links": 1},),
     (HELD | {"rod.links": 0},),
     *(({"rod.mass": value},) for value in (-1.0, 0, math.nan)),
-    *(({"rod.length": value},) for value in (math.inf, "5")),
+    *(({"rod.length": value},) for value in (math.inf, "5 m")),
     ({"rod.bending_stiffness": -3.0},),
     ({"rod.mass": None}, "rod.mass", Missing),
     ({"rod.colour": 1},),

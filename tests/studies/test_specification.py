@@ -103,7 +103,7 @@ NO_MASSES: dict[str, list[Any]] = {
         *({"count": 2}, {**LINE, "bounds": [1]}, {**LINE, "bounds": [1, 1]}),
         {**LINE, "bounds": [0, 2], "scale": "log"},
     ],
-    ".bounds.0": [{**LINE, "bounds": ["1", 2]}],
+    ".bounds.0": [{**LINE, "bounds": ["t", 2]}],
     ".step": [{**LINE, "step": 2}],
     ".scale": [{**LINE, "scale": "square"}],
 }

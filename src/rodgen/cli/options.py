@@ -23,6 +23,7 @@ from rodgen.cli.console import print_doubts, set_output
 from rodgen.errors import InputError
 from rodgen.scene import Scene
 from rodgen.scene.keys import keys_of
+from rodgen.scene.number_text import NumberText
 from rodgen.show.picture_settings import FORMATS, PictureSettings, parse_width
 
 Complete = Callable[[str], list[str]]
@@ -158,12 +159,20 @@ def parse_bounds(text: str) -> tuple[float | None, float | None]:
     """Parse a range that is given as A,B, either of which may be left out. Raises InputError."""
     parts = text.split(",")
     try:
-        low, high = (float(part) if part.strip() else None for part in parts)
+        low, high = (_parse_number(part) if part.strip() else None for part in parts)
     except ValueError:
         raise InputError("--bounds", text, "two numbers, as 0,20") from None
     if any(one is not None and not math.isfinite(one) for one in (low, high)):
         raise InputError("--bounds", text, "two finite numbers, as 0,20")
     return low, high
+
+
+def _parse_number(text: str) -> float:
+    """Parse a number, or an expression such as deg(30). Raises ValueError."""
+    try:
+        return float(text)
+    except ValueError:
+        return float(NumberText.parse(text, {}))
 
 
 def parse_both_bounds(text: str) -> tuple[float, float]:

@@ -85,12 +85,12 @@ class Anchors:
     @property
     def angle(self) -> float:
         """Angle of the straight rod [rad]."""
-        return self.rod.clamp_angle or 0.0
+        return float(self.rod.clamp_angle or 0.0)
 
     def fixed_point(self, support: SupportTable) -> tuple[float, float]:
         """Fixed point of a support [m]; by default where the straight rod has its point."""
         if support.to is not None:
-            return support.to[0], support.to[1]
+            return float(support.to[0]), float(support.to[1])
         way = support.at * self.rod.length
         return self.start[0] + way * cos(self.angle), self.start[1] + way * sin(self.angle)
 

@@ -19,8 +19,9 @@ from rodgen.model.methods import EITHER, FIXED_STEP, METHODS
 from rodgen.model.quantities import parse_number, watchable_names
 from rodgen.model.rod import BOUNDARIES
 from rodgen.scene import structure as st
+from rodgen.scene.number_text import Expressed
 from rodgen.scene.plain_tables import to_plain
-from rodgen.scene.tables import Finite, Pair, Positive, RodTable, Table
+from rodgen.scene.tables import Finite, Positive, RodTable, Table
 from rodgen.scene.validation import to_input_error
 
 AUTO = "auto"
@@ -65,7 +66,9 @@ class IntegrationTable(Table):
     """Settings of the integration of a scene."""
 
     method: str = Field(default=AUTO, description="`auto`, or one of [these](methods.md)")
-    span: Pair = Field(default=[0.0, 10.0], description="`[start, end]` [s]")
+    span: Annotated[list[Finite], Field(min_length=2, max_length=2)] = Field(
+        default=[0.0, 10.0], description="`[start, end]` [s]"
+    )
     step: Positive | None = Field(
         default=None,
         description="step [s] of "
@@ -214,7 +217,7 @@ class EventTable(Table):
     """A state or a derived quantity that crosses a value: the run stops, or it is recorded."""
 
     quantity: str = Field(description="a state or a derived quantity, by name")
-    value: Finite = Field(description="what it crosses, in the unit of the quantity")
+    value: Expressed[Finite] = Field(description="what it crosses, in the unit of the quantity")
     direction: str = Field(default="either", description='`"rising"`, `"falling"` or `"either"`')
     action: str = Field(
         default="record", description='`"record"` the crossing, or `"stop"` the run there'

@@ -9,6 +9,7 @@ from pydantic import Field, create_model
 
 from rodgen.model.term import ANY, JOINTS, LINKS, NOT_NEGATIVE, POSITIVE, Parameter, Term
 from rodgen.model.terms import TERMS
+from rodgen.scene.number_text import Expressed
 from rodgen.scene.plain_tables import get_at
 from rodgen.scene.rod_points import place_text
 from rodgen.scene.tables import (
@@ -28,9 +29,9 @@ MOST_PLACED = 100  # loads of one kind
 class FinFactor(Table):
     """A number for joint 0, one for each of the joints between, and one for the tail."""
 
-    nose: NotNegative = 1.0
-    body: NotNegative = 1.0
-    tail: NotNegative = 1.0
+    nose: Expressed[NotNegative] = 1.0
+    body: Expressed[NotNegative] = 1.0
+    tail: Expressed[NotNegative] = 1.0
 
     def values(self, links: int) -> list[float]:
         """Numbers of all joints."""
@@ -38,6 +39,11 @@ class FinFactor(Table):
 
 
 RULES: dict[str, Any] = {ANY: Finite, NOT_NEGATIVE: NotNegative, POSITIVE: Positive}
+EXPRESSED: dict[str, Any] = {
+    ANY: Expressed[Finite],
+    NOT_NEGATIVE: Expressed[NotNegative],
+    POSITIVE: Expressed[Positive],
+}
 VALUES: dict[str, Any] = {ANY: Values, NOT_NEGATIVE: Factors, POSITIVE: Sizes}
 
 
@@ -48,7 +54,11 @@ def _make_field(parameter: Parameter) -> tuple[Any, Any]:
     kind, default = RULES[parameter.rule], parameter.default
     if parameter.each == LINKS:
         kind |= VALUES[parameter.rule] | str
-    return kind | str if parameter.timed else kind, ... if default is None else default
+    elif parameter.timed:
+        kind |= str
+    else:
+        kind = EXPRESSED[parameter.rule]
+    return kind, ... if default is None else default
 
 
 def _make_load_table(term: Term) -> type[Table]:
@@ -62,7 +72,7 @@ def _make_load_table(term: Term) -> type[Table]:
             pair = Annotated[list[kind], Field(min_length=2, max_length=2)]  # type: ignore[valid-type]
             fields[key] = pair, default
     if term.placed:
-        fields["at"] = Share, Field(1.0, exclude_if=lambda at: at == 1)
+        fields["at"] = Expressed[Share], Field(1.0, exclude_if=lambda at: at == 1)
     made = create_model(name, __base__=Table, __module__=__name__, __doc__=term.label, **fields)
     globals()[name] = made
     return made

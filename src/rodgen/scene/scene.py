@@ -23,7 +23,7 @@ from rodgen.scene.keys import (
 )
 from rodgen.scene.lookup_table import to_lists
 from rodgen.scene.mesh import with_links
-from rodgen.scene.plain_tables import read_toml, to_plain
+from rodgen.scene.plain_tables import get_at, read_toml, to_plain
 from rodgen.scene.scene_files import TABLES, read_table_files
 from rodgen.scene.scene_tables import SceneTables
 from rodgen.scene.structure import check_links
@@ -176,7 +176,11 @@ class Scene(SceneTables, Plottable):
 
         Raises InputError for what is no key with one value.
         """
-        return find_value(self.model_dump(exclude_none=True), key, field)[1]
+        keys, value = find_value(self.model_dump(exclude_none=True), key, field)
+        if not isinstance(value, str):
+            return value
+        # What is a text in a file may be a number.
+        return get_at(self.numbers if keys[0] == NUMBERS else getattr(self, keys[0]), *keys[1:])
 
     @with_keywords
     def with_integrate(self, **given: Unpack[IntegrationSettings]) -> Self:

@@ -32,6 +32,7 @@ from rodgen.scene.law import Law
 from rodgen.scene.literals import NAME, check_names, check_states, mass_name
 from rodgen.scene.load_tables import FinFactor, Loads
 from rodgen.scene.lookup_table import MOST_ROWS, LookupTable, parse_table
+from rodgen.scene.number_text import Expressed
 from rodgen.scene.plain_tables import to_plain
 from rodgen.scene.tables import (
     BodyTable,
@@ -57,7 +58,7 @@ class SceneTables(Table):
     model_config: ClassVar[ConfigDict] = ConfigDict(serialize_by_alias=True, validate_by_name=True)
 
     name: str = Field(description="a plain identifier; names the folder of the results")
-    numbers: dict[str, Finite] = Field(
+    numbers: dict[str, Expressed[Finite]] = Field(
         {},
         alias="parameters",
         exclude_if=operator.not_,
@@ -83,9 +84,18 @@ class SceneTables(Table):
         """Check tables, each a keyword; arrays, tuples and NumPy's numbers are taken too."""
         tables = to_plain(tables)
         try:
-            super().__init__(**tables)
+            # As pydantic does, with a context: it gets the numbers that expressions may name.
+            self.__pydantic_validator__.validate_python(tables, self_instance=self, context={})
         except ValidationError as error:
             raise to_input_error(error, type(self)) from None
+
+    @field_validator("numbers")
+    @classmethod
+    def _add_to_context(cls, numbers: dict[str, float], info: ValidationInfo) -> dict[str, float]:
+        """Add the numbers to the context: expressions in the tables that follow may name them."""
+        assert info.context is not None
+        info.context.update(numbers)
+        return numbers
 
     @field_validator("events", "bodies", "supports", mode="before")
     @classmethod
@@ -93,7 +103,7 @@ class SceneTables(Table):
         """Validate the tables of an array one by one, so that errors name the place."""
         key = str(info.field_name)
         (kind,) = get_args(cls.model_fields[key].annotation)
-        return validate_tables(key, tables, kind)
+        return validate_tables(key, tables, kind, info.context)
 
     @field_validator("states", mode="before")
     @classmethod

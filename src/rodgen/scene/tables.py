@@ -22,6 +22,7 @@ from rodgen.model.rod import BOUNDARIES, INERTIAS, Boundary
 from rodgen.scene import structure as st
 from rodgen.scene.expression import Numbers
 from rodgen.scene.law import Law
+from rodgen.scene.number_text import AS_TEXTS, Expressed
 from rodgen.scene.plain_tables import AGAIN, make_immutable
 from rodgen.scene.rod_points import link_and_share
 from rodgen.scene.validation import to_input_error
@@ -42,12 +43,14 @@ Positive = Annotated[float, Field(allow_inf_nan=False, gt=0, le=LARGEST)]
 Size = Annotated[Positive, AfterValidator(_check_not_tiny)]
 NotNegative = Annotated[float, Field(allow_inf_nan=False, ge=0, le=LARGEST)]
 Share = Annotated[float, Field(ge=0, le=1)]
-Pair = Annotated[list[Finite], Field(min_length=2, max_length=2)]
-NotNegativePair = Annotated[list[NotNegative], Field(min_length=2, max_length=2)]
+Pair = Annotated[list[Expressed[Finite]], Field(min_length=2, max_length=2), AS_TEXTS]
+NotNegativePair = Annotated[
+    list[Expressed[NotNegative]], Field(min_length=2, max_length=2), AS_TEXTS
+]
 # Of a list, which may be long, the first wrong value is enough.
-Values = Annotated[list[Finite], Field(fail_fast=True)]
-Sizes = Annotated[list[Size], Field(fail_fast=True)]
-Factors = Annotated[list[NotNegative], Field(fail_fast=True)]
+Values = Annotated[list[Expressed[Finite]], Field(fail_fast=True), AS_TEXTS]
+Sizes = Annotated[list[Expressed[Size]], Field(fail_fast=True), AS_TEXTS]
+Factors = Annotated[list[Expressed[NotNegative]], Field(fail_fast=True), AS_TEXTS]
 
 
 if TYPE_CHECKING:
@@ -112,8 +115,11 @@ def check_count(key: str, tables: Sized) -> None:
         raise InputError(key, len(tables), f"at most {MOST_TABLES} tables")
 
 
-def validate_tables(key: str, tables: Any, kind: type[Table]) -> list[Any]:
-    """Validate the tables of an array, [[key]], one by one. Raises InputError with the place."""
+def validate_tables(
+    key: str, tables: Any, kind: type[Table], context: Mapping[str, float] | None
+) -> list[Any]:
+    """Validate the tables of an array, [[key]], one by one; context: numbers that expressions may
+    name. Raises InputError with the place."""
     if not isinstance(tables, list):
         raise InputError(key, tables, f"an array of tables, [[{key}]]")
     check_count(key, tables)
@@ -122,7 +128,7 @@ def validate_tables(key: str, tables: Any, kind: type[Table]) -> list[Any]:
         if not isinstance(table, dict | kind):
             raise InputError(f"{key}[{i}]", table, "a table")
         try:
-            made.append(kind.model_validate(table))
+            made.append(kind.model_validate(table, context=context))
         except ValidationError as error:
             found = to_input_error(error, kind)
             raise InputError(f"{key}[{i}].{found.field}", found.value, found.allowed) from None
@@ -133,11 +139,11 @@ class RodTable(Table):
     """The rod, of rigid links that are joined by rotary springs."""
 
     links: int = Field(description="number of rigid links, 1 to 1000000 (2 for `cantilever`)")
-    length: Size = Field(description="length of the whole rod [m]")
+    length: Expressed[Size] = Field(description="length of the whole rod [m]")
     bending_stiffness: NotNegative | Factors | str = Field(
         description="EI [N m^2]: a number, an expression in s, or n + 1 values, one for every joint"
     )
-    mass: Size | None = Field(
+    mass: Expressed[Size] | None = Field(
         default=None,
         description="mass of the whole rod without its bodies [kg]; this or `mass_per_length` is "
         "required",
@@ -160,7 +166,7 @@ class RodTable(Table):
         default="free",
         description=f"how the start is held: {list_words(BOUNDARIES)}, [see below](#boundaries)",
     )
-    clamp_angle: Finite | None = Field(
+    clamp_angle: Expressed[Finite] | None = Field(
         default=None,
         description="angle at which the start is held [rad], of `cantilever` and `clamped` alone; "
         "without it 0",
@@ -190,12 +196,12 @@ class BodyTable(Table):
     """A rigid body, fixed to the link on which its s lies."""
 
     name: str = Field(description="a plain identifier, each body its own")
-    at: Share = Field(
+    at: Expressed[Share] = Field(
         description="s of its place, from 0 (nose or root) to 1 (tail); at a joint the link that "
         "begins there, at the tail the last"
     )
     mass: Size | str = Field(description="mass [kg]: a number or an expression in t")
-    inertia: NotNegative = Field(
+    inertia: Expressed[NotNegative] = Field(
         default=0.0, description="moment of inertia about its own centre [kg m^2]"
     )
     offset: Pair = Field(
@@ -236,13 +242,13 @@ class StateTable(Table):
     rate: Finite | str = Field(
         description="per second: a number or an expression in t, sensors and states"
     )
-    initial: Finite = Field(default=0.0, description="its value at the start")
+    initial: Expressed[Finite] = Field(default=0.0, description="its value at the start")
 
 
 class SupportTable(Table):
     """Springs and dampers from a point of the rod to a fixed point."""
 
-    at: Share = Field(description="s of the point, from 0 (nose or root) to 1 (tail)")
+    at: Expressed[Share] = Field(description="s of the point, from 0 (nose or root) to 1 (tail)")
     to: Pair | None = Field(
         default=None,
         description="fixed point `[x, y]` [m] to which the springs pull; without it where the "
@@ -254,12 +260,12 @@ class SupportTable(Table):
     damping: NotNegativePair = Field(
         default=[0.0, 0.0], description="in x and y, `[c_x, c_y]` [N s/m], each at least 0"
     )
-    rotation: NotNegative = Field(
+    rotation: Expressed[NotNegative] = Field(
         default=0.0,
         description="spring against rotation of its link out of the direction of the straight rod "
         "[N m/rad]",
     )
-    rotation_damping: NotNegative = Field(
+    rotation_damping: Expressed[NotNegative] = Field(
         default=0.0, description="damper against rotation [N m s/rad]"
     )
 
@@ -271,7 +277,7 @@ class FoundationTable(Table):
     stiffness: NotNegative | str = Field(
         description="per length [N/m^2]: a number or an expression in s"
     )
-    damping: NotNegative = Field(default=0.0, description="per length [N s/m^2]")
+    damping: Expressed[NotNegative] = Field(default=0.0, description="per length [N s/m^2]")
 
 
 class InitialTable(Table):

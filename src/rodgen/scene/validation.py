@@ -11,6 +11,7 @@ from pydantic import BaseModel, ValidationError
 from pydantic.fields import FieldInfo
 
 from rodgen.errors import InputError, Missing, did_you_mean, unknown_key_message
+from rodgen.scene.number_text import NumberText, to_texts
 
 
 def to_input_error(error: ValidationError, model: type[BaseModel]) -> InputError:
@@ -30,11 +31,13 @@ def to_input_error(error: ValidationError, model: type[BaseModel]) -> InputError
     paths = [(_key_path(model, d), d) for d in details]
     deepest = max((p for p, _ in paths if p[: len(path)] == path), key=len)
     same = [d for p, d in paths if p == deepest]
+    # Of a text that is a number, what that number may be.
+    same = [d for d in same if isinstance(d["input"], NumberText)] or same
     if same[0]["type"] == "missing":
         return InputError(".".join([*deepest, str(same[0]["loc"][-1])]), Missing(), "given")
     field = _fields_around(model, deepest).get(deepest[-1]) if deepest else None
     allowed = " or ".join(dict.fromkeys(_allowed_values(d, field) for d in same))
-    return InputError(".".join(deepest) or "scene", same[0]["input"], allowed)
+    return InputError(".".join(deepest) or "scene", to_texts(same[0]["input"]), allowed)
 
 
 def _key_path(model: type[BaseModel], detail: Any) -> list[str]:

@@ -13,8 +13,9 @@ import numpy as np
 from pydantic import Field, ValidationError
 
 from rodgen.errors import InputError
+from rodgen.scene.number_text import NumberText
 from rodgen.scene.plain_tables import is_number
-from rodgen.scene.tables import Finite, Table
+from rodgen.scene.tables import Pair, Table
 from rodgen.scene.validation import to_input_error
 
 Value = float | int | str
@@ -75,9 +76,7 @@ class Axis:
 class Range(Table):
     """Table of a varied key: bounds and how many values lie between them; or a list of values."""
 
-    bounds: Annotated[list[Finite], Field(min_length=2, max_length=2)] | None = Field(
-        None, description="the first and the last value"
-    )
+    bounds: Pair | None = Field(None, description="the first and the last value")
     count: Annotated[int, Field(gt=0, le=MOST_VALUES)] | None = Field(
         None, description="how many values there are; absent beside `[sample]`"
     )
@@ -112,7 +111,7 @@ def _validate(kind: type[T], table: dict[str, Any], field: str) -> T:
 
 
 def _axis_from_list(name: str, field: str, read: Range) -> Axis:
-    values = read.values or []
+    values = [_evaluate(value) for value in read.values or []]
     for key, beside in (("bounds", read.bounds), ("count", read.count)):
         if beside is not None:
             raise InputError(f"{field}.{key}", beside, "absent beside values")
@@ -128,9 +127,17 @@ def _axis_from_list(name: str, field: str, read: Range) -> Axis:
     return Axis(name, _pack([_convert(name, field, value) for value in values]))
 
 
+def _evaluate(value: Any) -> Any:
+    """Evaluate a text that is a number, such as "deg(30)"; anything else stays as it is."""
+    try:
+        return float(NumberText.parse(value, {})) if isinstance(value, str) else value
+    except InputError:
+        return value
+
+
 def _axis_from_range(name: str, field: str, read: Range, drawn: bool) -> Axis:
     assert read.bounds is not None
-    low, high = read.bounds
+    low, high = map(float, read.bounds)
     if read.scale not in SCALES:
         raise InputError(f"{field}.scale", read.scale, f"one of {', '.join(SCALES)}")
     if read.scale == LOG and not (low > 0 and high > 0):

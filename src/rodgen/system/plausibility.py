@@ -15,6 +15,7 @@ from rodgen.result import Note, doubt
 from rodgen.scene.structure import Structure
 
 TURN = 2 * math.pi
+RADIANS = "angles are in radians, deg(90) is one in degrees"
 
 
 def angle_doubts(structure: Structure, p: Array, field: Callable[[str], str]) -> Iterator[Note]:
@@ -27,7 +28,7 @@ def angle_doubts(structure: Structure, p: Array, field: Callable[[str], str]) ->
     for (name, place), turns in zip(angles.items(), sizes.tolist(), strict=True):
         if turns > 1:
             given = f"{field(name)} = {p[place]:g}"
-            yield doubt(f"{given} is {turns:.3g} turns: angles are in radians", turns=turns)
+            yield doubt(f"{given} is {turns:.3g} turns: {RADIANS}", turns=turns)
 
 
 def initial_angle_doubts(
@@ -37,7 +38,7 @@ def initial_angle_doubts(
     turns = float(np.abs(y0[structure.angle_slice]).max(initial=0.0)) / TURN
     if turns > 1:
         words = f"initial.phi = {shorten(given())} turns a link by {turns:.3g} turns"
-        yield doubt(f"{words}: angles are in radians", turns=turns)
+        yield doubt(f"{words}: {RADIANS}", turns=turns)
 
 
 def count_doubts(structure: Structure, p: Array, y0: Array) -> NDArray[np.intp]:
