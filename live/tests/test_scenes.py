@@ -259,7 +259,7 @@ def test_fin_factors_can_be_moved_and_nonsense_leaves_a_scene_as_it_was() -> Non
     assert changed(scene, {f"{factor}.tail": 7.0}).parameters["fin_factor"][-1] == 7.0
     listed = changed(scene, {factor: [1.0] * 21})
     assert changed(listed, {f"{factor}.3": 9.0}).parameters["fin_factor"][3] == 9.0
-    for value in (float("nan"), float("inf"), -1.0, 0.0, "1", None):
+    for value in (float("nan"), float("inf"), -1.0, 0.0, "1 kg", None):
         with pytest.raises(InputError, match=r"rod\.mass"):
             changed(scene, {"rod.mass": value})
     assert scene == Scene.from_toml(MISSILE)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 import re
 from pathlib import Path
 from typing import Any
@@ -11,7 +12,7 @@ import pytest
 from typer.testing import CliRunner
 
 from rodgen.cli.app import make_app, own_commands
-from rodgen.cli.options import read_scene
+from rodgen.cli.options import parse_bounds, read_scene
 from rodgen.scene import Scene
 from tests.cli.conftest import Run, Write, one_object
 from tests.told import refused
@@ -37,6 +38,7 @@ def test_commands_have_the_options_that_they_share_and_are_listed_whole(works: R
 
 
 VALUES: list[tuple[str, dict[str, Any]]] = [
+    ("rod.length=2*deg(90)", {"rod.length": "2*deg(90)"}),
     ("loads.follower.force=300", {"loads.follower.force": 300}),
     ("loads.follower.force=3e2*t", {"loads.follower.force": "3e2*t"}),
     ("initial.phi='0.1*s'", {"initial.phi": "0.1*s"}),
@@ -54,6 +56,13 @@ VALUES: list[tuple[str, dict[str, Any]]] = [
 def test_values_are_those_of_a_file(short: Path) -> None:
     for text, changes in VALUES:
         assert read_scene(short, [text]) == Scene.from_toml(short).replace(changes), text
+
+
+def test_bounds_are_numbers_or_expressions() -> None:
+    for text, due in (("0,-1e3", (0.0, -1e3)), (",5", (None, 5.0)), ("deg(180),", (math.pi, None))):
+        assert parse_bounds(text) == due
+    for text in ("1", "1,2,3", "0,inf", "0,t", "0,deg(", "a,b"):
+        assert refused(parse_bounds, text)[:2] == ("--bounds", text)
 
 
 def test_what_cannot_be_set_is_refused(short: Path) -> None:

@@ -83,6 +83,18 @@ def test_any_number_of_a_scene_can_be_varied() -> None:
         assert of_scene(study.scene_at(points_at(study, [0])[0])) == value, key
 
 
+def test_values_and_bounds_may_be_expressions() -> None:
+    """Texts that are numbers are: of other texts, which are laws, all values are texts."""
+    for axis, due in (
+        (["deg(60)", 1.5], [np.pi / 3, 1.5]),
+        ({"bounds": ["-deg(90)", "deg(90)"], "count": 3}, [-np.pi / 2, 0.0, np.pi / 2]),
+    ):
+        (made,) = of({"rod.clamp_angle": axis}, BECK).axes
+        np.testing.assert_allclose(made.values, due, rtol=1e-15)
+    (made,) = of({"loads.follower.force": ["deg(t)", "2*t"]}, BECK).axes
+    assert [*made.values] == ["deg(t)", "2*t"]
+
+
 LINE = {"bounds": [1, 2], "count": 2}
 # By field: what is given of the axes of a study; of the mass alone; and beside a varied mass.
 NOT_VARIED: dict[str, list[Any]] = {

@@ -23,7 +23,7 @@ def parameters(scene: rodgen.Scene, middle: float, functions: Functions) -> Para
 
     middle: a time of the stretch, in which no condition changes its answer.
     """
-    scope = {"__builtins__": {}, "pi": math.pi, **functions}
+    scope = {"__builtins__": {}, "pi": math.pi, "deg": lambda x: x * (math.pi / 180), **functions}
     fixed, codes = scene.parameters, {}
     for name, expression in scene.time_dependent_loads.items():
         codes[name] = compile(smooth(expression, middle), "<load>", "eval")
