@@ -118,6 +118,8 @@ LOADS: dict[str, Any] = {
     "material_damping": {"time": 0.005},
     "foundation": {"stiffness": "2*(1 + s)", "damping": 0.3},
     "drag": {"normal": 0.5, "tangential": 0.1, "wind": [2.0, "sin(t)"]},
+    "viscous_drag": {"normal": 0.4, "tangential": 0.2, "wind": [1.0, "cos(t)"]},
+    "moment": {"moment": 5.0},
     "supports": [{"at": 1.0, "stiffness": [3.0, 1.0], "damping": [0.2, 0.1], "rotation": 0.5}],
 }
 

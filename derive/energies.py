@@ -57,9 +57,10 @@ SUPPORTS = supports.LOAD.term
 
 @dataclass(frozen=True)
 class Quantities:
-    """Energies, power, momenta and geometry of a chain."""
+    """Energies, power, momenta and geometry of a chain. potentials: loads that have a potential."""
 
     equations: GeneralEquations
+    potentials: tuple[str, ...] = ()
 
     def _link_mean(
         self, origin: Vector, angle: Expr, function: Callable[[Expr, Expr], Expr]
@@ -126,7 +127,11 @@ class Quantities:
     def support_forces(self) -> tuple[Expr, ...]:
         """Force of the support of link i on it [N], and its moment [N m]; none without supports."""
         supports = self.equations.loads.get(SUPPORTS)
-        return () if supports is None else tuple(supports.link_arrays().values())
+        return (
+            ()
+            if supports is None
+            else tuple(supports.link_arrays(self.equations.boundary_condition).values())
+        )
 
     @cached_property
     def start_loads(self) -> tuple[Expr, ...]:
@@ -185,12 +190,19 @@ class Quantities:
 
     @cached_property
     def load_energy(self) -> Expr:
+        """Potential of the loads [J]; zero where none has one."""
+        loads = (self.equations.loads[name] for name in self.potentials)
+        others = (load.potential(self.equations) for load in loads)
+        return self.weight_energy + sum(others, S.Zero)
+
+    @cached_property
+    def weight_energy(self) -> Expr:
         """Potential of the loads that act on mass [J]: minus their work from the origin to every
         link; zero where there are none."""
         origin, total = (joint_x[i], joint_y[i]), S.Zero
         for load in self.equations.loads.values():
             if isinstance(load, MassForce):
-                potential = partial(load.potential, self.equations.rod.mass(i))
+                potential = partial(load.potential_of_mass, self.equations.rod.mass(i))
                 fall = self._link_mean(origin, phi[i], potential)
                 total += Sum(fall, (i, 0, n - 1))
         return total
@@ -198,8 +210,8 @@ class Quantities:
     @cached_property
     def power(self) -> dict[str, Expr]:
         """Power of each load that has no potential [W], by term."""
-        loads = {t: load for t, load in self.equations.loads.items() if not load.conservative}
-        return {term: load.power(self.equations) for term, load in loads.items()}
+        loads = self.equations.loads.items()
+        return {t: load.power(self.equations) for t, load in loads if t not in self.potentials}
 
     @cached_property
     def centre(self) -> Vector:

@@ -248,7 +248,7 @@ class GeneralEquations(GenericChain):
         )
         arrays[joint_moment] = Array(joint_moment, s, low, high, self.joint_moment)
         for load in self.loads.values():
-            for base, value in load.link_arrays().items():
+            for base, value in load.link_arrays(boundary_condition).items():
                 arrays[base] = Array(base, i, first, n - 1, value)
         return arrays
 

@@ -124,8 +124,8 @@ def weight_on(equations: GeneralEquations, mass: Expr) -> Vector:
 
 def moment_on(equations: GeneralEquations, link: Expr) -> Expr:
     """Moments on a link, of its joints and of the loads."""
-    loads = equations.loads.values()
-    return link_moment[link] + sum((load.link_moment(link) for load in loads), S.Zero)
+    loads, boundary = equations.loads.values(), equations.boundary_condition
+    return link_moment[link] + sum((load.link_moment(link, boundary) for load in loads), S.Zero)
 
 
 def load_on(equations: GeneralEquations, at: Expr, unit: Expr) -> Vector:

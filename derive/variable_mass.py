@@ -117,7 +117,7 @@ class VariableMasses:
     def power(self) -> Expr:
         """Power [W] that the rod gains by the change of its masses."""
         quantities = Quantities(self.equations)
-        energies = Add.make_args(quantities.kinetic_energy + quantities.load_energy)
+        energies = Add.make_args(quantities.kinetic_energy + quantities.weight_energy)
         total = S.Zero
         for energy in energies:
             (_, low, high), of = energy.limits[0], energy.function

@@ -55,8 +55,16 @@ ROD: dict[str, Any] = {
     "initial": {"phi": "0.2*cos(pi*s)"},
     "integrate": {"span": [0.0, 5.0], "output_every": 0.01, "method": "dop853"},
 }
-# Several loads of one kind, each at a point of its own: a joint, a point inside a link, the tail.
-PLACED = Structure(4, "clamped", terms=("follower@1+1/4", "follower", "follower@2"))
+# Several loads of one kind, each at a point of its own (a joint, a point inside a link, the tail);
+# one with what it may have beside.
+PLACED = Structure(
+    4,
+    "clamped",
+    terms=(
+        *("follower@1+1/4", "follower", "follower@2", "distributed_follower@angle"),
+        *("moment@1+1/4", "moment", "moment@0"),
+    ),
+)
 TIMED = Structure(
     4,
     "clamped",

@@ -1,31 +1,35 @@
-"""Distributed follower force: thrust all along the rod that turns with every link."""
+"""Distributed follower force: thrust all along the rod, or pressure, that turns with every link."""
 
 from sympy import Expr, cos, sin
 
 from ..chain import Vector
 from ..closed_form import ClosedForm, Num
-from ..symbols import l, parameters
+from ..symbols import PARAMETERS, l
 from .kinds import Value
 from .link_force import LinkForce
 
-(Q,) = parameters("distributed_follower")
+Q = PARAMETERS["distributed_follower"]
 
 
 class DistributedFollower(LinkForce):
-    """Thrust along every link, compressive for q > 0."""
+    """Thrust along every link, compressive for q > 0, or at an angle with it."""
 
     letter = "F_q"
 
     def force(self, angle: Expr, link: Expr) -> Vector:
-        return -Q[link] * l * cos(angle), -Q[link] * l * sin(angle)
+        along = sum(self.angles, angle)  # with nu, where the scene has it
+        return -Q[link] * l * cos(along), -Q[link] * l * sin(along)
 
     def link_by_hand(self, rod: ClosedForm, i: Num, value: Value) -> Num:
-        """l^2 sum of q_j sin(phi_i - phi_j) over the links after link i."""
+        """l^2 sum of q_j sin(phi_i - phi_j - nu) over the links after link i, and half of that of
+        link i itself."""
+        q, nu = value(Q), [*map(value, self.angles)]
 
         def term_of(j: Num) -> Num:
-            return value(Q)[j] * rod.sin(rod.phi[i] - rod.phi[j])
+            return q[j] * rod.sin(rod.phi[i] - sum(nu, rod.phi[j]))
 
-        return rod.l**2 * rod.arithmetic.total(term_of, i + 1, rod.n - 1)
+        own = sum(rod.arithmetic.half * q[i] * rod.sin(angle) for angle in nu)
+        return rod.l**2 * (rod.arithmetic.total(term_of, i + 1, rod.n - 1) - own)
 
 
 LOAD = DistributedFollower()

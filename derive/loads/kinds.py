@@ -1,6 +1,7 @@
 """Kinds of loads, and what follows from the law of each in every derivation.
 
     PointForce    a force on a point of a link, dead or turning with the link (point_force.py)
+    PointMoment   a moment on the link of a point, which has a potential (point_moment.py)
     LinkForce     a force on every link, at one share of each (link_force.py)
     MassForce     a force on all mass, which has a potential
     JointMoment   a moment across every joint, by the rates of the links that meet there
@@ -62,18 +63,18 @@ class AppliedForces:
 class Load(ABC):
     """Base class of loads and kinds of damping; methods not overridden have no effect.
 
-    letter: of its generalised forces, in proofs; conservative: it has a potential; by_velocity,
-    by_position: it follows those of the joints; array_name: what the arrays of its forces on joints
-    are called after, by default its term.
+    letter: of its generalised forces, in proofs; by_velocity, by_position: it follows those of the
+    joints; array_name: what the arrays of its forces on joints are called after, by default its
+    term.
     """
 
     letter: str
     array_name = ""
-    conservative = False
     by_velocity = False
     by_position = False
 
     _term = ""
+    _given = ""  # key of an optional parameter
 
     @property
     def term(self) -> str:
@@ -83,12 +84,12 @@ class Load(ABC):
     def at_place(self, name: str, place: str) -> Self:
         """Copy of the load with another name and a place, as `load_places` has them."""
         found = copy(self)
-        found._term = name
+        found._term, found._given = name, place
         return found
 
     @property
     def _rows(self) -> tuple[Parameter, ...]:
-        return TERMS[self.term].parameters
+        return TERMS[self.term].parameters_with(self._given)
 
     @property
     def parameters(self) -> tuple[Symbol, ...]:
@@ -152,7 +153,7 @@ class Load(ABC):
         acts on the link before."""
         return NOTHING
 
-    def link_moment(self, link: Expr) -> Expr:
+    def link_moment(self, link: Expr, boundary: Boundary) -> Expr:
         """Moment on a link [N m], besides those across its joints."""
         return S.Zero
 
@@ -164,7 +165,7 @@ class Load(ABC):
         """Arrays that joint_force refers to, over the joints that move."""
         return {}
 
-    def link_arrays(self) -> dict[IndexedBase, Expr]:
+    def link_arrays(self, boundary: Boundary) -> dict[IndexedBase, Expr]:
         """Arrays that forces and moments refer to, over the links that move."""
         return {}
 
@@ -189,6 +190,10 @@ class Load(ABC):
         """Power [W] of a load without potential."""
         raise NotImplementedError  # one with a potential has none
 
+    def potential(self, chain: GenericChain) -> Expr:
+        """Potential [J] of a load that is not on mass."""
+        return S.Zero
+
     def energy(self, chain: GenericChain) -> Expr:
         """Energy of its springs [J]."""
         return S.Zero
@@ -203,6 +208,10 @@ class Load(ABC):
         """Generalised force on the angle of link i."""
         raise NotImplementedError  # of a moment across joints, see column_by_hand
 
+    def potential_by_hand(self, rod: ClosedForm, value: Value) -> Num:
+        """Potential [J] of a load that is not on mass."""
+        return 0 * rod.l
+
     def column_by_hand(self, rod: ClosedForm, value: Value) -> list[Num]:
         """Generalised forces on all coordinates, of a given number of links."""
         base = self.base_by_hand(rod, value) if rod.boundary.translates else ()
@@ -211,8 +220,6 @@ class Load(ABC):
 
 class MassForce(Load):
     """A force on all mass that depends on nothing else."""
-
-    conservative = True
 
     def explicit_forces(self, chain: ExplicitChain) -> list[list[PolyElement]]:
         fx, fy = (chain.calculus.poly(f) for f in self.weight(S.One))
@@ -224,7 +231,7 @@ class MassForce(Load):
         x, y = (chain.lever_moment([], []) * f for f in force)
         return GeneralisedForces((x, y), chain.angle_force_of_mass(force))
 
-    def potential(self, mass: Expr, x: Expr, y: Expr) -> Expr:
+    def potential_of_mass(self, mass: Expr, x: Expr, y: Expr) -> Expr:
         """Minus the work on a mass on its way from the origin [J]."""
         force = self.weight(mass)
         return -force[0] * x - force[1] * y

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from abc import abstractmethod
 
-from sympy import Expr, IndexedBase, Sum, expand
+from sympy import Expr, IndexedBase, Sum, expand, trigsimp
 from sympy.polys.rings import PolyElement
 
 from rodgen.model.rod import Boundary
@@ -39,7 +39,7 @@ class LinkForce(JointLoad):
             x, y = (Sum(f, (other, low, n - 1)) for f in self.force(phi[other], other))
             return x, y
 
-        own = expand(chain.angle_force(self.force(phi[i], i)))
+        own = trigsimp(expand(chain.angle_force(self.force(phi[i], i))))
         lean = chain.angle_force(force_from(i + 1)) + self.share * own
         return GeneralisedForces(
             force_from(chain.boundary_condition.first), chain.joint_lever * lean

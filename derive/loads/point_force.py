@@ -44,8 +44,8 @@ class LinkPoint:
 TAIL = LinkPoint(n - 1)
 
 
-class PointForce(Load):
-    """A force on a point of a link. A dead one does not depend on the angle of the link."""
+class PointLoad(Load):
+    """A load on a point of a link."""
 
     point = TAIL
 
@@ -53,6 +53,20 @@ class PointForce(Load):
         found = super().at_place(name, place)
         found.point = LinkPoint.parse(place)
         return found
+
+    @property
+    def is_of_one_link(self) -> bool:
+        """Whether its generalised forces on the links next to its point follow other laws."""
+        return self.is_inside
+
+    @property
+    def is_inside(self) -> bool:
+        """Whether it acts elsewhere than on the tail alone."""
+        return self.point != TAIL
+
+
+class PointForce(PointLoad):
+    """A force on a point of a link. A dead one does not depend on the angle of the link."""
 
     @abstractmethod
     def force(self, angle: Expr) -> Vector:
@@ -65,11 +79,6 @@ class PointForce(Load):
     @property
     def _is_follower(self) -> bool:
         return any(f.has(phi) for f in self._force)
-
-    @property
-    def is_inside(self) -> bool:
-        """Whether it acts elsewhere than on the tail alone."""
-        return self.point != TAIL
 
     def _moving_parts(self, boundary: Boundary) -> list[tuple[Expr, Expr]]:
         """Parts of the force on joints that are not held."""

@@ -116,14 +116,14 @@ class Supports(JointLoad):
             force_from(chain.boundary_condition.first), chain.joint_lever * lean + turn[i]
         )
 
-    def link_moment(self, link: Expr) -> Expr:
+    def link_moment(self, link: Expr, boundary: Boundary) -> Expr:
         return self.force_arrays[2][link]
 
     def start_force(self, link: Expr, boundary: Boundary) -> Vector:
         x, y = ((1 - self.share[link]) * pull[link] for pull in self.force_arrays[:2])
         return x, y
 
-    def link_arrays(self) -> dict[IndexedBase, Expr]:
+    def link_arrays(self, boundary: Boundary) -> dict[IndexedBase, Expr]:
         laws = self._forces(self._motion(i, i, self.share[i]))
         return dict(zip(self.force_arrays, laws, strict=True))
 

@@ -17,7 +17,7 @@ from ..link_properties import joint_stiffness
 from ..loads import TERMS
 from ..loads.joint_drag import JointDrag, JointMotion, divisor, length_at, mass_at, rod_angle
 from ..loads.kinds import JointMoment, Load
-from ..loads.point_force import PointForce
+from ..loads.point_force import PointLoad
 from ..symbols import (
     ALPHA,
     HALF,
@@ -97,15 +97,15 @@ def _matrices(derived: GeneralEquations, closed: ClosedForm) -> dict[str, Pairs]
 
 
 def _load_pairs(derived: GeneralEquations, closed: ClosedForm, load: Load) -> Pairs:
-    """Pairs of generalised forces of a load; of a force at a point inside, on the link of its point
-    and on those next to it."""
+    """Pairs of generalised forces of a load; of one at a point inside, on the link of its point and
+    on those next to it."""
     if isinstance(load, JointMoment):
         factor = partial(load.coefficient_by_hand, closed, _identity)
         return _bending_pairs(derived, load.moments(derived), omega, closed, factor, S.Zero)
     work = load.generalised_forces(derived)
     assert work is not None
     links = [i]
-    if isinstance(load, PointForce) and load.is_inside:
+    if isinstance(load, PointLoad) and load.is_of_one_link:
         near, first = (load.point.link + d for d in (-1, 0, 1)), derived.boundary_condition.first
         links = [link for link in near if not (link.is_Integer and link < first)]
     pairs = [(work.link.subs(i, at), load.link_by_hand(closed, at, _identity)) for at in links]

@@ -41,6 +41,19 @@ def test_onset_with_drag_to_nine_digits(links: int, boundary: str, tail: float, 
     assert growth(0.7) < 0
 
 
+def test_a_viscous_medium_is_a_foundation_of_dampers() -> None:
+    """To first order, where the rod moves across its axis alone: without doubts, as it is smooth at
+    rest. That along the rod does nothing then."""
+    c = 3.0
+    medium = {"viscous_drag": {"normal": c, "tangential": 0.5 * c}}
+    found = critical_load(rod(10, "clamped", THRUST | medium, **ONES))
+    bed = {"stiffness": 0.0, "damping": c}
+    expected = critical_load(rod(10, "clamped", THRUST, **ONES, foundation=bed))
+    assert found.kind == expected.kind == "flutter"
+    assert found.value == pytest.approx(expected.value, rel=1e-12)
+    assert not found.notes
+
+
 @pytest.mark.slow
 def test_damping_that_vanishes() -> None:
     """A free rod, of which nothing holds the place: what rounding makes of its translations is no

@@ -29,6 +29,20 @@ def _scene(
     return rod(links, boundary, follower | loads, **ONES, states=states or {})
 
 
+def test_a_couple_that_is_fed_back_is_a_support_against_turning() -> None:
+    """Modes about the bent rod, and the onset of flutter, of a spring and a damper at the tail."""
+    law = "-2*phi(1) - 0.1*omega(1)"
+    loads = {"follower": {"force": 3.0}, "gravity": {"g": 1.0}}
+    held = {"at": 1.0, "rotation": 2.0, "rotation_damping": 0.1}
+    one = rod(4, "clamped", loads | {"moment": {"moment": law}}, **ONES)
+    two = rod(4, "clamped", loads, **ONES, supports=[held])
+    found, expected = (rodgen.natural_modes(scene, 4) for scene in (one, two))
+    for name in ("frequencies", "growth"):
+        np.testing.assert_allclose(getattr(found, name), getattr(expected, name), rtol=1e-9)
+    onsets = [rodgen.critical_load(scene.replace({"loads.gravity": None})) for scene in (one, two)]
+    assert onsets[0].value == pytest.approx(onsets[1].value, rel=1e-9)
+
+
 @pytest.mark.slow
 def test_a_thrust_that_is_fed_back_lets_a_free_rod_diverge() -> None:
     """Whatever the gain, and wherever the sensor."""

@@ -4,19 +4,25 @@ of a rod that has buckled already."""
 
 from __future__ import annotations
 
+from contextlib import nullcontext
+from pathlib import Path
+
 import numpy as np
 import pytest
 
+import rodgen
 from rodgen.analyse.branches.equilibrium_branch import continue_equilibria
 from rodgen.analyse.curves.continuation import continue_curve
 from rodgen.analyse.curves.curve import BRANCH, ContinuationProblem, start_point
 from rodgen.analyse.cycles.cycle_search import CycleSearch
 from rodgen.analyse.cycles.hopf import first_hopf, normal_form
+from rodgen.analyse.cycles.periodic_motion import find_cycle
 from rodgen.arrays import Array
 from rodgen.scene import Scene
 from rodgen.system import ParameterRange, System
 from tests.analyse.rods import COLUMN, FORCE, ONES, beside_hopf, exact_rates, rod
 
+SCENES = Path(__file__).parents[2] / "scenes"
 OMEGA, DECAY = 1.7, 0.6
 CUBIC, STILL, DOUBLE, PUSH, PULSE = -0.3 + 0.2j, 0.9 - 0.4j, -0.7 + 1.1j, 1.3, 0.8 + 0.5j
 
@@ -67,6 +73,26 @@ def test_a_bent_rod_has_the_cycles_of_its_normal_form() -> None:
     hopf, errors = beside_hopf(COLUMN.replace(aside), (9.0, 10.0))
     assert np.abs(hopf.x[:3]).max() > 0.5
     assert errors[0] / errors[1] == pytest.approx(16, rel=0.25)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("medium", "subcritical"), [(55.0, False), (60.0, True)])
+def test_whether_flutter_in_a_viscous_medium_is_hard(medium: float, subcritical: bool) -> None:
+    """The column with a tip mass of docs/tip-mass.md. Small cycles are those of the normal form:
+    stable ones beyond the onset, unstable ones before it."""
+    table = Scene.from_toml(SCENES / "tip_mass.toml").model_dump(exclude_none=True)
+    del table["foundation"]
+    table["loads"]["viscous_drag"] = {"normal": medium, "tangential": medium}
+    scene = Scene.from_dict(table)
+    search = CycleSearch.of(System(scene))
+    hopf, flow = first_hopf(search, ParameterRange(search.system, FORCE, (20.0, 40.0)))
+    x, force, period = hopf.cycle_guess(0.04)
+    assert (force < hopf.value) == subcritical
+    y0 = flow(force).quotient.lift(x)
+    with nullcontext() if not subcritical else pytest.warns(rodgen.DoubtWarning, match="unstable"):
+        found = find_cycle(scene.replace({FORCE: force}), y0=y0, period=period)
+    assert found.stable == (not subcritical)
+    assert found.amplitude == pytest.approx(0.04, rel=0.01)  # but for its cube
 
 
 def test_flutter_of_a_rod_that_is_unstable_already() -> None:

@@ -3,11 +3,13 @@ equilibria, as many as buckling loads have been passed."""
 
 from __future__ import annotations
 
+from itertools import pairwise
 from typing import Any
 
 import mpmath as mp
 import numpy as np
 import pytest
+from scipy.integrate import solve_ivp
 from scipy.optimize import fsolve
 
 import rodgen
@@ -17,6 +19,8 @@ from rodgen.analyse.statics import static_equilibrium
 from rodgen.scene import Scene
 from tests.analyse.rods import LENGTH, MASS, ONES, STIFFNESS, rod
 from tests.sets import sets
+
+LEFT = {"angle": -np.pi / 2}  # on which side a pressure pushes a rod
 
 
 def _residual_moments(
@@ -176,6 +180,57 @@ def test_springs_too_soft_to_be_stepped_from() -> None:
         found = static_equilibrium(rod(5, "clamped", {"gravity": {}}, bending_stiffness=stiffness))
         np.testing.assert_allclose(found.tip, [0.0, -LENGTH], atol=1e-9)
         assert found.stable
+
+
+@pytest.mark.parametrize("moment", [2.0, -0.5, 2 * np.pi])
+def test_a_couple_at_the_tail_bends_a_rod_to_a_circle(moment: float) -> None:
+    """Every joint by M l/EI, the root by half of it: the links are chords of a circle that lies
+    outside that of the rod, by the arc of half a link over its sine; a whole one closes."""
+    n = 20
+    found = static_equilibrium(rod(n, "clamped", {"moment": {"moment": moment}}, **ONES))
+    np.testing.assert_allclose(found.phi, moment / n * (np.arange(n) + 0.5), atol=1e-12)
+    half = moment / n / 2
+    arc = np.array([np.sin(moment), 1 - np.cos(moment)]) / moment
+    np.testing.assert_allclose(found.tip, half / np.sin(half) * arc, rtol=0, atol=1e-12)
+
+
+def test_a_couple_is_varied_from_a_study_to_a_branch() -> None:
+    """One at the tail and one at 3/8 of the rod, whose links up to there are bent by both."""
+    couples = [{"moment": 0.0}, {"moment": 0.5, "at": 0.375}]
+    scene = rod(4, "clamped", {"moment": couples}, **ONES)
+    key, sizes = "loads.moment.0.moment", [0.5, 1.5]
+    second = 0.5 * np.cumsum([0.5, 1.0, 0.0, 0.0]) / 4
+    due = np.array([size / 4 * (np.arange(4) + 0.5) + second for size in sizes])
+    branch = rodgen.continue_equilibria(scene, key, (0.5, 1.5))
+    np.testing.assert_allclose(branch.phi[[0, -1]], due, atol=1e-9)
+    study = rodgen.study(scene, {key: sizes}, analysis="static", workers=1)
+    np.testing.assert_allclose(study.tip_angle, due[:, -1], atol=1e-12)
+
+
+@pytest.mark.parametrize("pressure", [15.0, 25.0])
+def test_a_pressure_to_the_left(pressure: float) -> None:
+    """Against the elastica, shot from the tail: EI theta'' = sin(theta) F_x - cos(theta) F_y with F
+    the pressure on all that is beyond."""
+
+    def rates(s: float, state: Any) -> list[float]:
+        theta, bend, _, _, across, up = state
+        c, s = np.cos(theta), np.sin(theta)
+        return [bend, s * across - c * up, c, s, pressure * s, -pressure * c]
+
+    def shot(last: float) -> Any:
+        start = [last, 0.0, 0.0, 0.0, 0.0, 0.0]
+        return solve_ivp(rates, (1.0, 0.0), start, "DOP853", rtol=1e-11, atol=1e-11).y[:, -1]
+
+    scenes = [
+        rod(n, "clamped", {"distributed_follower": {"force_per_length": pressure} | LEFT}, **ONES)
+        for n in (20, 40, 80)
+    ]
+    found = [static_equilibrium(scene) for scene in scenes]
+    last = fsolve(lambda last: shot(last.item())[0], found[-1].phi[-1], xtol=1e-12)
+    expected = -shot(last.item())[2:4]
+    tips = [one.tip for one in found]
+    finer = [(4 * b - a) / 3 for a, b in pairwise(tips)]
+    np.testing.assert_allclose((16 * finer[1] - finer[0]) / 15, expected, rtol=0, atol=1e-5)
 
 
 def column(load: float, across: float = 0.0, links: int = 5) -> Scene:

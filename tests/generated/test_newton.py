@@ -31,12 +31,23 @@ ADDED = (
     ("gimbal", "(-2 * phi(0.3) - omega(0.7) - gimbal) / 0.05 + vx(0.5)"),
     ("filtered", "gimbal * filtered + sin(t) + omega(1) * phi(0) - y(0.2) * x(1)"),
 )
+TURNED = ("moment_size", "gimbal - 2 * omega(0.6) * y(1)")
+LEANT = ("distributed_follower_angle", "gimbal + phi(1)")
 # A wind, which the speed that drag divides by follows.
 BLOWN = ("wind_x", "3 + phi(0.3) * vx(0.6)")
 BORDERED = [
     Structure(3, "free", "uniform", ("follower", "drag"), (*FOLLOWED, BLOWN), states=ADDED),
-    Structure(3, "cantilever", "lumped", ("follower",), FOLLOWED, states=ADDED),
-    Structure(2, "free", "lumped", ("follower", "internal_damping"), FOLLOWED, states=ADDED),
+    Structure(
+        3, "cantilever", "lumped", ("follower", "moment@1"), (*FOLLOWED, TURNED), states=ADDED
+    ),
+    Structure(
+        2,
+        "free",
+        "lumped",
+        ("follower", "internal_damping", "distributed_follower@angle"),
+        (*FOLLOWED, LEANT),
+        states=ADDED,
+    ),
     Structure(2, "pinned", "uniform", ("tip_load",), (("tip_force_y", "omega(1) * y(1)"),)),
     Structure(2, "clamped", "uniform", (), (), states=(("alone", "phi(1) - alone"),)),
 ]

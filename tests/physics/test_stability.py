@@ -36,6 +36,8 @@ VALUES = {
     "external_damping": 0.5,
     "tip_force_x": 3.0,
     "tip_force_y": 2.0,
+    "moment_size": 5.0,
+    "viscous_drag_normal": 0.3,
 }
 
 

@@ -16,15 +16,20 @@ DIFFERING = {one.name for way in NONUNIFORM.values() for one in way.parameters} 
 
 
 def test_every_parameter_has_its_place_in_p_and_in_a_scene() -> None:
-    everything = Structure(3, "clamped", terms=tuple(TERMS))
+    optional = "distributed_follower", "distributed_follower@angle"
+    everything = Structure(
+        3, "clamped", terms=tuple(optional[1] if term == optional[0] else term for term in TERMS)
+    )
     assert (
         everything.parameters
         == tuple(name for name in PARAMETERS if name not in DIFFERING)
         == (
             *("mass", "length", "bending_stiffness", "follower_force", "follower_angle", "gravity"),
             *("internal_damping", "external_damping", "clamp_angle", "tip_force_x", "tip_force_y"),
-            *("material_damping_time", "foundation_angle", "support_angle"),
-            *("drag_normal", "drag_tangential", "wind_x", "wind_y"),
+            *("material_damping_time", "distributed_follower_angle", "foundation_angle"),
+            *("support_angle", "drag_normal", "drag_tangential", "wind_x", "wind_y"),
+            *("viscous_drag_normal", "viscous_drag_tangential"),
+            *("viscous_drag_wind_x", "viscous_drag_wind_y", "moment_size"),
             *("fin_factor", "distributed_follower", "foundation_stiffness", "foundation_damping"),
             *(one.name for one in TERMS["supports"].parameters if one.is_array),
         )

@@ -16,6 +16,7 @@ from rodgen.derive.general import GeneralEquations
 from rodgen.derive.generic_chain import AtSprings, GenericChain
 from rodgen.derive.link_properties import INERTIAS
 from rodgen.derive.loads import LOADS, TERMS
+from rodgen.derive.loads.distributed_follower import DistributedFollower
 from rodgen.derive.loads.follower import Follower
 from rodgen.derive.loads.foundation import Foundation
 from rodgen.derive.loads.gravity import Gravity
@@ -24,6 +25,7 @@ from rodgen.derive.loads.joint_drag import JointDrag
 from rodgen.derive.loads.kinds import JointMoment, MassForce
 from rodgen.derive.loads.link_force import LinkForce
 from rodgen.derive.loads.point_force import PointForce
+from rodgen.derive.loads.point_moment import PointMoment
 from rodgen.derive.loads.supports import Supports
 from rodgen.derive.polynomials import TIME
 from rodgen.derive.proofs import DisagreementError
@@ -57,13 +59,13 @@ def test_explicit_derivation_equals_the_closed_form(
 def test_any_n_equals_the_closed_form(boundary: str, inertia: str) -> None:
     names = {c.name for c in prove_any_n(boundary, inertia)}
     letters = {load.letter for load in LOADS.values()}
-    laws = {"D_e force law", "W force law", "D_w force law"}
+    laws = {"D_e force law", "W force law", "D_w force law", "D_v force law"}
     assert names == {"sizes", "M", "Q", "K", "joints", *letters, *laws}
 
 
-@cases("boundary, term", BOUNDARIES, TERMS)
+@cases("boundary, term", BOUNDARIES, (*TERMS, "distributed_follower@angle"))
 def test_every_term_is_proven_where_it_is_alone(boundary: str, term: str) -> None:
-    name = LOADS[term].letter
+    name = LOADS[term.partition("@")[0]].letter
     for proof in (
         prove_any_n(boundary, "lumped", (term,)),
         prove_explicit(2, boundary, "lumped", (term,)),
@@ -149,9 +151,12 @@ WRONG = [
             "tip_load": PointForce,
             "gravity": Gravity,
             "external_damping": JointDrag,
+            "viscous_drag": JointDrag,
         }.items()
         for method in ("base_by_hand", "link_by_hand")
     ),
+    (PointMoment, "link_by_hand", LOADS["moment"].letter, ("moment@1",)),
+    (DistributedFollower, "link_by_hand", "F_q", ("distributed_follower@angle",)),
 ]
 FREE, HELD = ("free", "uniform"), ("clamped", "lumped")
 PROOFS = {
@@ -259,6 +264,7 @@ def test_scene_and_derivation_offer_the_same() -> None:
     assert tuple(INERTIAS) == tuple(rod.INERTIAS)
     kinds = {
         terms.FORCE: PointForce,
+        terms.COUPLE: PointMoment,
         terms.WEIGHT: MassForce,
         terms.DAMPER: JointMoment,
         terms.DRAG: JointDrag,

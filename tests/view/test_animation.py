@@ -19,6 +19,7 @@ from rodgen.errors import InputError
 from rodgen.integrate import Solution
 from rodgen.integrate.files.file_layout import NO_STATS
 from rodgen.model.palette import LIGHT, colours_of
+from rodgen.model.terms import TERMS
 from rodgen.scene import Scene
 from rodgen.show.animation.film import FrameRenderer, animate
 from rodgen.show.animation.film_files import find_ffmpeg
@@ -290,6 +291,29 @@ def test_the_arrow_of_the_key_is_as_long_as_its_force(make_scene: Callable[..., 
     longest = 0.2 * min(stage.size) / 2  # pixels of the largest force
     drawn = np.ptp(key.vector.get_paths()[0].vertices[:, 0])
     assert drawn == pytest.approx(key.U / 7.0 * longest, abs=0.01)  # of a pixel
+
+
+def test_a_couple_is_as_long_an_arc_as_it_is_large(make_scene: Callable[..., Scene]) -> None:
+    """About its point, in the picture's view; one below a fiftieth of the largest is not drawn."""
+    scene = make_scene(1, "pinned").replace({"loads.moment": {"moment": "4*cos(t)", "at": 0.5}})
+    t = np.array([0.0, np.pi / 2, 2 * np.pi / 3])
+    sol = Solution(System(scene), t, np.zeros((3, 2)), {}, NO_STATS)
+    settings = FilmSettings(view="fixed", width=640, height=480)
+    film = FrameRenderer(sample_motion(sol), scene, settings, 1.0)
+    assert film._couples.names == ("moment",)
+    ((_, _, line),) = film._couples._drawn
+    found = []
+    for k in (0, 2):
+        film.render(k, t[k])
+        arc = np.transpose(line.get_data())[:-3] - [1.0, 0.0]
+        found.append(np.ptp(np.unwrap(np.arctan2(arc[:, 1], arc[:, 0]))))
+        assert np.ptp(np.linalg.norm(arc, axis=1)) < 1e-12
+    assert found[1] == pytest.approx(found[0] / 2)
+    pictures = [film.render(k, 0.0).copy() for k in (0, 1)]
+    blue = tuple(bytes.fromhex(TERMS["moment"].colours[0][1:]))
+    seen = [int((picture[AXES][..., :3] == blue).all(axis=-1).sum()) for picture in pictures]
+    assert seen[0] > 20
+    assert seen[1] == 0
 
 
 @cases("view, size", ("fixed", "centre", "axes"), ((1280, 720), (640, 480), (320, 640)))

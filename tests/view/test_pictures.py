@@ -16,8 +16,9 @@ from rodgen.integrate import Solution
 from rodgen.model.terms import TERMS, axis_label
 from rodgen.scene import Scene
 from rodgen.show import run_pictures
+from rodgen.show.analysis_pictures import scene_at_start
 from rodgen.show.event_marks import force_intervals
-from rodgen.show.marks import draw_by_stability
+from rodgen.show.marks import LONGEST_TURN, curved_arrow, draw_by_stability
 from rodgen.show.picture_files import save_figures
 from rodgen.show.picture_settings import PictureSettings
 from rodgen.show.run_pictures import energies, phase_plot, trajectories
@@ -60,6 +61,39 @@ def test_moments_are_those_of_the_joints(swinging: Solution) -> None:
     assert np.array_equal(shown, swinging.bending_moments.T)
     low, high = mesh.get_clim()
     assert -low == high == np.abs(shown).max()
+
+
+def test_a_curved_arrow_turns_as_its_couple_does() -> None:
+    """An arc about zero, as long as its share, and a head at its end that points on."""
+    for share in (1.0, 0.5, -1.0):
+        *arc, first, end, last = curved_arrow(2.0, share)
+        assert np.linalg.norm(arc, axis=1) == pytest.approx(np.full(len(arc), 2.0))
+        angles = np.unwrap(np.arctan2(*np.transpose(arc)[::-1]))
+        assert angles[-1] - angles[0] == pytest.approx(share * LONGEST_TURN)
+        assert end == pytest.approx(arc[-1])
+        ahead = arc[-1] - (first + last) / 2
+        assert np.linalg.det([arc[-1], ahead]) * share > 0
+
+
+def test_couples_are_drawn_about_their_points_and_told_of() -> None:
+    loads = {"moment": [{"moment": -2.0, "at": 0.3}, {"moment": "3 if t < 0.25 else 0"}]}
+    scene = Scene.from_dict({**ROD, "loads": loads, "integrate": {"span": [0.0, 0.5]}})
+    axes = scene_at_start(scene).axes[0]
+    drawn = [line for line in axes.lines if line.get_color() == TERMS["moment"].colours[0]]
+    # The joints of the scene are those of its thumbnail; both arcs have one radius.
+    for line, at, turn in zip(drawn, (0.3, 1.0), (-1.0, 1.0), strict=True):
+        points = np.transpose(line.get_data())
+        rod = np.transpose(axes.lines[0].get_data())
+        link = min(int(at * 5), 4)
+        centre = rod[link] + (at * 5 - link) * (rod[link + 1] - rod[link])
+        way = points[:2] - centre
+        assert np.linalg.norm(way, axis=1) == pytest.approx([0.07 * 2.0] * 2)
+        assert np.linalg.det(way) * turn > 0
+    solution = rodgen.simulate(scene)
+    acting = {term.name: end for term, _, end in force_intervals(solution)}
+    assert acting == {"moment_2": pytest.approx(0.25, abs=0.01)}
+    (text,) = (t for t in scene_at_start(scene).legends[0].get_texts() if "-2" in t.get_text())
+    assert text.get_text() == "couple -2\u00a0N m"
 
 
 def test_pictures_say_when_a_force_acts_and_what_happened() -> None:

@@ -26,7 +26,7 @@ from rodgen.analyse.steady_rod import SteadyRod, Unknowns
 from rodgen.analyse.support_springs import hanging_shape
 from rodgen.arrays import Array
 from rodgen.errors import AnalysisError
-from rodgen.model.term import DRAG, FORCE, WEIGHT, Term
+from rodgen.model.term import COUPLE, DRAG, FORCE, WEIGHT, Term
 from rodgen.model.terms import TERMS
 
 MOST_BENT = 1.0  # rad of an imperfection
@@ -89,7 +89,7 @@ def _find_rest(rod: SteadyRod, p: Array, bend: float) -> tuple[Iterate, tuple[fl
         if bend:  # it says to which side the rod goes
             raise
         acting = [term for place, term in _growing_parameters(rod) if p[place].any()]
-        if not acting or any(_has_no_potential(term) for term in acting):
+        if not acting or any(_has_no_lowest_state(term) for term in acting):
             raise
         # Springs too soft to keep the rod near its straight shape: it hangs like a chain.
         with suppress(AnalysisError):
@@ -106,15 +106,16 @@ def _is_hanging(rod: SteadyRod, p: Array) -> bool:
     return not held or (place is not None and not p[place].any())
 
 
-def _has_no_potential(term: Term) -> bool:
-    """Whether a load turns with the rod, or is drag, and so has no potential."""
-    return term.follows or term.kind == DRAG
+def _has_no_lowest_state(term: Term) -> bool:
+    """Whether a load has no state of least energy that a rod could hang in: it turns with the rod,
+    is drag, or turns a link on and on."""
+    return term.follows or term.kind in (DRAG, COUPLE)
 
 
 def _hang_and_load(rod: SteadyRod, p: Array) -> tuple[Iterate, tuple[float, ...]]:
     """Let the rod hang from its dead loads, and follow it as the others grow."""
     growing = _load_ramp(
-        p, (place for place, term in _growing_parameters(rod) if _has_no_potential(term))
+        p, (place for place, term in _growing_parameters(rod) if _has_no_lowest_state(term))
     )
     rest = _hang(rod, growing(0.0))
     if (growing(0.0) == p).all():

@@ -11,7 +11,7 @@ import numpy as np
 
 from rodgen.analyse.steady_rod import SteadyRod
 from rodgen.errors import InputError, Missing
-from rodgen.model.term import WEIGHT, Term
+from rodgen.model.term import COUPLE, WEIGHT, Term
 from rodgen.model.terms import TERMS
 from rodgen.scene import Scene
 from rodgen.system import ParameterLine, ParameterRange, System
@@ -57,7 +57,9 @@ def label_of(load: str) -> str:
 def symbol_of(load: str) -> str:
     """Symbol of the load parameter, such as P L^2/EI, or the label of a group."""
     term = find_term(load)
-    return GROUPS[load] if term is None else f"{term.symbol} L^2/EI"
+    if term is None:
+        return GROUPS[load]
+    return f"{term.symbol} {'L' if term.kind == COUPLE else 'L^2'}/EI"
 
 
 def default_load(system: System) -> str:
@@ -124,6 +126,8 @@ def _force_per_size(term: Term, scene: Scene) -> float:
     """Force [N] of a load of size one on the rod, or on a link of it."""
     if term.is_distributed:
         return scene.rod.length / scene.rod.links
+    if term.kind == COUPLE:
+        return 1 / scene.rod.length  # of a pair of forces, a length of the rod apart
     return scene.mass if term.kind == WEIGHT else 1.0
 
 

@@ -188,8 +188,8 @@ def assemble(
         exact = ReferenceEquations(module, given | link_parameters_at(structure, values, t), y)
         gained = ReferenceEquations(
             module, given | link_parameters_at(structure, values, t, rates=True), y
-        ).energy()
-        exact.emptying = gained[0] + gained[2]
+        )
+        exact.emptying = gained.energy()[0] + gained.weight_energy()
     else:
         exact = ReferenceEquations(module, given, y)
     exact.apply_laws({name: law.with_values(values) for name, law in structure.laws.items()}, t)

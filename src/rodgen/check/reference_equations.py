@@ -235,11 +235,17 @@ class ReferenceEquations:
         spring = mp.fsum(self._spring_energy(k, b) for k, b in self._springs())
         anchors = (load for load in self.acting.values() if load.by_position)
         spring += mp.fsum(map(self._anchor_energy, anchors))
+        others = (self.acting[name] for name in self.structure.potentials)
+        potential = mp.fsum(one.potential_by_hand(self.closed, self.value) for one in others)
+        return [kinetic, spring, self.weight_energy() + potential]
+
+    def weight_energy(self) -> Any:
+        """Energy of the loads on mass."""
         masses = [load for load in self.acting.values() if isinstance(load, MassForce)]
         weights = [load.base_by_hand(self.closed, self.value) for load in masses]
         # What is lost of tanks that are empty has neither weight nor centre.
         X, Y = self.centre_of_gravity() if any(map(any, weights)) else (mpf(0), mpf(0))
-        return [kinetic, spring, -mp.fsum(x * X + y * Y for x, y in weights)]
+        return -mp.fsum(x * X + y * Y for x, y in weights)
 
     def joints(self) -> list[tuple[Any, Any]]:
         """Positions of the joints."""

@@ -303,10 +303,14 @@ class Functions:
         out["force_link"] = self.compiler.link, Add(*(work.link for work in works))
         return {name: (domain, e) for name, (domain, e) in out.items() if e != 0}
 
+    @cached_property
+    def _quantities(self) -> Quantities:
+        return Quantities(self.equations, self.structure.potentials)
+
     @property
     def observables(self) -> dict[str, Outputs]:
         """Outputs of energies, positions and bending moments."""
-        quantities = Quantities(self.equations)
+        quantities = self._quantities
         joints = Domain((joint,), 0, self.n_links)
         energy = {"kinetic": quantities.kinetic_energy}
         if springs := quantities.anchor_energy + (
@@ -325,7 +329,7 @@ class Functions:
 
     def quantities(self) -> dict[str, Program]:
         """Programs of energies, geometry, moments and forces, for states along leading axes."""
-        quantities = Quantities(self.equations)
+        quantities = self._quantities
         near = _outputs(CENTRE, quantities.centre_from_start)
         moments = _outputs(("inertia_x", "inertia_y", "product_xy"), quantities.second_moments)
         observed = self.observables
@@ -344,7 +348,7 @@ class Functions:
     def kinetics(self) -> dict[str, Program]:
         """Programs of momenta, the moment of the clamps, forces of supports, and curvatures, for
         states along leading axes; without those that a rod does not have."""
-        of, boundary_condition = Quantities(self.equations), self.equations.boundary_condition
+        of, boundary_condition = self._quantities, self.equations.boundary_condition
         about = _outputs(CENTRE, of.centre_from_start) if boundary_condition.translates else {}
         outputs = {
             "momentum": _outputs(MOMENTUM, of.momentum),
@@ -373,7 +377,7 @@ class Functions:
     @cached_property
     def power(self) -> Outputs:
         """Power of every load without potential."""
-        power = Quantities(self.equations).power
+        power = self._quantities.power
         loads = self.equations.loads
         acting = {
             f"power_{term}": e

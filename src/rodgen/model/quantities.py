@@ -85,7 +85,7 @@ QUANTITIES = (
     Quantity("centre_of_gravity", "m", "centre of gravity", AXIS, _CENTRE, "centre", watched=True),
     _energy("kinetic", "kinetic energy"),
     _energy("spring", "energy of the springs"),
-    _energy("gravity", "energy in gravity"),
+    _energy("gravity", "energy in gravity and couples"),
     Quantity("energy_balance", "J", "energy gained less work done", (),
         {"energy_balance": "balance error"}),
     _inertia("inertia_x", "moment of inertia about x", "I about x"),

@@ -16,6 +16,7 @@ KNOTS = "row of a table, its knots first"
 
 # Kinds of terms: what they act on.
 FORCE = "force at a point"
+COUPLE = "moment on a link"
 SPREAD = "force along the rod"
 WEIGHT = "force on mass"
 DAMPER = "damping moment across joints"
@@ -36,8 +37,9 @@ class Parameter:
     function of time; each: what it has a number, or two, for each of, JOINTS, LINKS, SPRINGS or
     KNOTS, where it is several; scales: the load is in proportion to it; decades: a slider moves
     over powers of ten; most: the largest value that it may have; fixed: another value needs another
-    module; links_power: for one and the same rod it grows as this power of the number of links;
-    by_mass: its effect is in proportion to the mass of the links at the start of the span.
+    module; optional: a module has it only where a scene has its key; links_power: for one and the
+    same rod it grows as this power of the number of links; by_mass: its effect is in proportion to
+    the mass of the links at the start of the span.
     """
 
     name: str
@@ -57,6 +59,7 @@ class Parameter:
     decades: bool = False
     most: float | None = None
     fixed: bool = False
+    optional: bool = False
     links_power: int = 0
     by_mass: bool = False
 
@@ -147,6 +150,11 @@ class Term:
         return self.kind in (DAMPER, DRAG)
 
     @property
+    def is_conservative(self) -> bool:
+        """Whether it has a potential while its parameters do not change."""
+        return self.kind in (WEIGHT, COUPLE)
+
+    @property
     def is_load(self) -> bool:
         """Whether it is a table of [loads]; others follow from tables of their own."""
         return self.kind != ANCHOR
@@ -162,13 +170,17 @@ class Term:
         of_drag = self.kind == DRAG
         return tuple(p for p in self.parameters if p.scales or (of_drag and p.rule == NOT_NEGATIVE))
 
+    def parameters_with(self, key: str) -> tuple[Parameter, ...]:
+        """Parameters of the load in a module, with the optional one of a key."""
+        return tuple(one for one in self.parameters if not one.optional or one.key == key)
+
     @property
     def initial_table(self) -> dict[str, Any]:
-        """Initial table of a load that is added to a scene, without parameters of every joint and
-        those that have no initial value."""
+        """Initial table of a load that is added to a scene, without parameters of every joint,
+        optional ones and those that have no initial value."""
         found: dict[str, Any] = {}
         for one in self.given or self.parameters:
-            if one.initial_value is None or one.each == JOINTS:
+            if one.initial_value is None or one.each == JOINTS or one.optional:
                 continue
             if one.part is not None:
                 found.setdefault(one.key, []).append(one.initial_value)

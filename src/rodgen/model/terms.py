@@ -15,6 +15,7 @@ from rodgen.model.palette import series_pair
 from rodgen.model.rod import BODY, CLAMP_ANGLE, FOUNDATION, NONUNIFORM, ROD, SHARE, STEADY, SUPPORT
 from rodgen.model.term import (
     ANCHOR,
+    COUPLE,
     DAMPER,
     DRAG,
     FORCE,
@@ -80,10 +81,13 @@ ROWS = (
         Parameter("distributed_follower", "force_per_length", "distributed follower force", "q",
             "N/m", "thrust per length q [], compressive for q > 0",
             first=0.0, timed=True, each=LINKS, scales=True),
+        Parameter("distributed_follower_angle", "angle", "distributed follower angle", "ν_q", "rad",
+            "angle nu between thrust and every link [], at pi/2 a pressure to the right, at -pi/2 "
+            "to the left", default=0.0, timed=True, optional=True),
     )),
     Term("foundation", "foundation", "foundation", "", ANCHOR,
         "springs and dampers all along the rod, across the straight rod",
-        colours=series_pair(8), given=FOUNDATION, parameters=(
+        given=FOUNDATION, parameters=(
         Parameter("foundation_angle", "angle", "angle of the foundation", "", "rad",
             "of the axis across which it acts []", default=0.0),
         Parameter("foundation_stiffness", "stiffness", "stiffness of the foundation", "", "N/m",
@@ -95,7 +99,7 @@ ROWS = (
     )),
     Term("supports", "supports", "supports", "", ANCHOR,
         "springs and dampers from points of the rod to fixed points",
-        colours=series_pair(1), given=SUPPORT, array=True, parameters=(
+        given=SUPPORT, array=True, parameters=(
         Parameter("support_angle", "angle", "angle of the supports", "", "rad",
             "of a link that its support does not turn []", default=0.0),
         *(Parameter(f"support_{one.name}", one.name, f"{one.label} of a support", "", one.unit,
@@ -114,6 +118,24 @@ ROWS = (
             "velocity of the medium along x []", part=0, default=0.0, timed=True),
         Parameter("wind_y", "wind", "wind, y", "", "m/s",
             "velocity of the medium along y []", part=1, default=0.0, timed=True),
+    )),
+    Term("viscous_drag", "viscous_drag", "viscous drag", "", DRAG,
+        "force at the joints against a medium with a wind, in proportion to the speed",
+        colours=series_pair(8), parameters=(
+        Parameter("viscous_drag_normal", "normal", "viscous drag across", "c_n", "kg/(m s)",
+            "across the rod, over its length and the speed []",
+            rule=NOT_NEGATIVE, default=0.0, first=0.5),
+        Parameter("viscous_drag_tangential", "tangential", "viscous drag along", "c_t", "kg/(m s)",
+            "along the rod, likewise []", rule=NOT_NEGATIVE, default=0.0),
+        Parameter("viscous_drag_wind_x", "wind", "wind of viscous drag, x", "", "m/s",
+            "velocity of the medium along x []", part=0, default=0.0, timed=True),
+        Parameter("viscous_drag_wind_y", "wind", "wind of viscous drag, y", "", "m/s",
+            "velocity of the medium along y []", part=1, default=0.0, timed=True),
+    )),
+    Term("moment", "moment", "couple", "M", COUPLE, "couple on a link, at the tail the last",
+        colours=series_pair(1), placed=True, parameters=(
+        Parameter("moment_size", "moment", "couple", "M", "N m",
+            "moment M [], positive to the left", first=0.0, timed=True, scales=True),
     )),
 )
 # fmt: on
@@ -159,7 +181,8 @@ def _parameter(name: str, number: int, rest: str) -> Parameter | None:
 
 def load_places(terms: Iterable[str]) -> dict[str, str]:
     """Names of the loads of a structure, each with its place: "" at the tail, else a link by its
-    number, and the share of it before the point where that is not its start: 6+1/10."""
+    number, and the share of it before the point where that is not its start: 6+1/10. Of a load
+    without a place, the key of an optional parameter that it has."""
     counts: Counter[str] = Counter()
     found = {}
     for text in terms:
@@ -167,6 +190,12 @@ def load_places(terms: Iterable[str]) -> dict[str, str]:
         counts[kind] += 1
         found[kind if counts[kind] == 1 else f"{kind}_{counts[kind]}"] = place
     return found
+
+
+def parameters_of(terms: Iterable[str]) -> list[Parameter]:
+    """Parameters of the loads of a structure."""
+    places = load_places(terms).items()
+    return [one for name, place in places for one in TERMS[name].parameters_with(place)]
 
 
 PARAMETERS: NumberedRows[Parameter] = NumberedRows(

@@ -58,6 +58,8 @@ def _make_field(parameter: Parameter) -> tuple[Any, Any]:
         kind |= str
     else:
         kind = EXPRESSED[parameter.rule]
+    if parameter.optional:
+        return kind | None, None
     return kind, ... if default is None else default
 
 
@@ -99,7 +101,7 @@ class LoadTables(Table):
     @property
     def terms(self) -> tuple[str, ...]:
         """Names of the loads whose tables are there."""
-        return tuple(self._table_keys)
+        return tuple(self.table_keys)
 
     @property
     def follower_loads(self) -> tuple[str, ...]:
@@ -107,7 +109,7 @@ class LoadTables(Table):
         return tuple(name for name in self.terms if TERMS[name].follows)
 
     @cached_property
-    def _table_keys(self) -> dict[str, tuple[str, ...]]:
+    def table_keys(self) -> dict[str, tuple[str, ...]]:
         """Keys of the table of every load, by name."""
         found: dict[str, tuple[str, ...]] = {}
         for term in LOADS:
@@ -124,8 +126,9 @@ class LoadTables(Table):
         """Keys of every parameter of these loads in a scene, from the outermost table in."""
         return {
             one.name: ("loads", *keys, *one.key_path)
-            for name, keys in self._table_keys.items()
+            for name, keys in self.table_keys.items()
             for one in TERMS[name].parameters
+            if not one.optional or getattr(get_at(self, *keys), one.key) is not None
         }
 
     @property
@@ -134,11 +137,15 @@ class LoadTables(Table):
         return tuple(self.key_paths)
 
     def terms_with_places(self, links: int) -> tuple[str, ...]:
-        """Names of the loads with their positions on the links."""
-        found = []
-        for name, keys in self._table_keys.items():
+        """Names of the loads with their positions on the links, or with the optional key that they
+        have."""
+        found, given = [], self.key_paths
+        for name, keys in self.table_keys.items():
+            term = TERMS[name]
             place = place_text(getattr(get_at(self, *keys), "at", 1.0), links)
-            found.append(f"{TERMS[name].base_name}@{place}" if place else TERMS[name].base_name)
+            options = (one.key for one in term.parameters if one.optional and one.name in given)
+            place = next(options, place)
+            found.append(f"{term.base_name}@{place}" if place else term.base_name)
         return tuple(found)
 
     def value(self, name: str) -> Any:

@@ -52,10 +52,8 @@ def mesh_dependent_values(
     for term in map(TERMS.__getitem__, scene.loads.terms):
         if not (everything or scene.loads.value(term.parameters[0].name)):
             continue  # the load does nothing
-        for one in term.parameters:
+        for one in (row for row in term.parameters if row.links_power):
             value, key = scene.loads.value(one.name), scene.key_path(one.name)
-            if not one.links_power:
-                continue
             if not one.is_array:
                 yield MeshDependentValue(one.label, key, value, 0.0, one.links_power)
             elif isinstance(value, FinFactor):

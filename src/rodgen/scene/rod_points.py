@@ -22,6 +22,12 @@ def place_text(s: float, links: int) -> str:
     return f"{link}+{share}" if share else str(link)
 
 
+def parse_place(text: str, links: int) -> tuple[int, float]:
+    """Link and share of a point as a structure names it."""
+    link, _, share = text.partition("+")
+    return (int(link), float(Fraction(share or 0))) if text else (links - 1, 1.0)
+
+
 def _exact_link_and_share(s: float, links: int) -> tuple[int, Fraction]:
     at = Fraction(repr(float(s))) * links
     joint = round(at)

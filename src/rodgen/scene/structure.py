@@ -23,7 +23,7 @@ from rodgen.model.rod import (
     changing_body_rows,
 )
 from rodgen.model.term import ANY, JOINTS, LINKS, NOT_NEGATIVE, SPRINGS, Parameter
-from rodgen.model.terms import PARAMETERS, TERMS, THESIS_TERMS, load_places
+from rodgen.model.terms import PARAMETERS, TERMS, THESIS_TERMS, load_places, parameters_of
 from rodgen.scene import spring_law
 from rodgen.scene.expression import Expression, open_expression
 from rodgen.scene.grammar import Sensor
@@ -130,10 +130,17 @@ class Structure:
         return tuple(load_places(self.terms))
 
     @cached_property
+    def potentials(self) -> tuple[str, ...]:
+        """Names of the loads that have a potential: no work of theirs is counted."""
+        varying = dict(self.expressions)
+        terms = [TERMS[name] for name in self.loads if TERMS[name].is_conservative]
+        return tuple(t.name for t in terms if not any(one.name in varying for one in t.parameters))
+
+    @cached_property
     def _own_parameters(self) -> list[str]:
         """Names of the parameters of the rod, its boundary and its terms, whether functions of time
         or not; those of further loads of a kind come last."""
-        loads = [one for name in self.loads for one in TERMS[name].parameters]
+        loads = parameters_of(self.terms)
         ways = [NONUNIFORM[what] for what in self.nonuniform]
         differing = [one for way in ways for one in way.parameters]
         if self.masses:
@@ -325,10 +332,15 @@ def _sort_terms(terms: tuple[str, ...]) -> tuple[str, ...]:
 
 
 def _check_term(text: str, links: int) -> None:
-    """Raise InputError for a term that is unknown, or at a place that it cannot have."""
+    """Raise InputError for a term that is unknown, at a place that it cannot have, or with a
+    parameter that is not an optional one."""
     kind, at, place = text.partition("@")
     check_choice("terms", kind, TERMS)
     if not at:
+        return
+    options = [one.key for one in TERMS[kind].parameters if one.optional]
+    if options:
+        check_choice("terms", text, [kind, *(f"{kind}@{key}" for key in options)])
         return
     found = PLACE.fullmatch(place)
     inside = found and int(found[1]) < links and Fraction(found[2] or 0) < 1

@@ -18,8 +18,9 @@ from rodgen.analyse.steady_rod import SteadyRod
 from rodgen.arrays import Array, even_indices
 from rodgen.display import Plottable
 from rodgen.errors import EmptyPictureError
-from rodgen.model.term import FORCE, SPREAD, WEIGHT
-from rodgen.model.terms import TERMS
+from rodgen.integrate.couples import point_at
+from rodgen.model.term import COUPLE, FORCE, SPREAD, WEIGHT
+from rodgen.model.terms import TERMS, load_places
 from rodgen.scene import Scene
 from rodgen.show.canvas import (
     FAINT,
@@ -33,7 +34,7 @@ from rodgen.show.canvas import (
     set_limits,
     set_title,
 )
-from rodgen.show.marks import describe_marks, draw_marks
+from rodgen.show.marks import curved_arrow, describe_marks, draw_marks
 
 PANELS = 6  # modes drawn
 AMPLITUDE = 0.1  # of the length
@@ -147,14 +148,15 @@ def _choose_stretch(straight: Array, joints: Array) -> Array:
 
 
 def _load_magnitudes(rod: SteadyRod, y: Array) -> dict[str, float]:
-    """Return the magnitudes of forces and weights that are not zero, by their terms: the largest
-    where they differ from link to link; those in a state y (states,) where they depend on it."""
+    """Return the magnitudes of forces, couples and weights that are not zero, by their terms: the
+    largest where they differ from link to link; those in a state y (states,) where they depend on
+    it."""
     found, p = {}, rod.system.p
     given = rod.system.parameters
     if rod.has_feedback:
         given |= rod.model.signals(rod.t, y, p)
     for name in rod.system.load_terms:
-        if TERMS[name].kind in (FORCE, SPREAD, WEIGHT):
+        if TERMS[name].kind in (FORCE, COUPLE, SPREAD, WEIGHT):
             parts = [
                 max(np.atleast_1d(given[e.name]), key=abs) for e in TERMS[name].size_parameters
             ]
@@ -177,12 +179,12 @@ def load_legend(rod: SteadyRod, y: Array) -> list[Line2D]:
 def draw_loads(
     axes: Axes, rod: SteadyRod, joints: Array, y: Array, side: float, stretch: Array
 ) -> list[Array]:
-    """Draw arrows of the loads in a state y (states,); returns their ends, pairs of points (2, 2).
-    side: +1 or -1, to the right or the left, where gravity stands beside a rod that hangs;
-    stretch (2,): times as large as the other that each coordinate is drawn."""
+    """Draw arrows of the loads in a state y (states,); returns points of each (k, 2). side: +1 or
+    -1, to the right or the left, where gravity stands beside a rod that hangs; stretch (2,): times
+    as large as the other that each coordinate is drawn."""
     size = ARROW * rod.scene.rod.length
     forces = rod.model.forces(rod.t, y, rod.system.p)
-    ends = []
+    ends, curves = [], []
     for name, amount in _load_magnitudes(rod, y).items():
         term = TERMS[name]
         if term.kind == FORCE:
@@ -193,6 +195,10 @@ def draw_loads(
             pushes = pull @ (joints[at] - joints[at - 1 if at else 1]) < 0
             start = point - pull if pushes else point
             ends.append((np.array([start, start + pull]), term))
+        elif term.kind == COUPLE:
+            point = point_at(load_places(rod.system.structure.terms)[name], joints)
+            curves.append(point + curved_arrow(0.5 * size, np.sign(amount)) / stretch)
+            axes.plot(*curves[-1].T, color=term.colours[0])
         elif term.kind == SPREAD:
             largest = np.hypot(*forces[name].T).max()
             for at in even_indices(0, len(joints) - 1, WEIGHTS):
@@ -207,7 +213,7 @@ def draw_loads(
     for (start, end), term in ends:
         style = {"arrowstyle": "-|>", "color": term.colours[0], "shrinkA": 0, "shrinkB": 0}
         axes.annotate("", end, start, arrowprops=style)
-    return [pair for pair, _ in ends]
+    return [pair for pair, _ in ends] + curves
 
 
 def _shorten(vector: Array, stretch: Array) -> Array:

@@ -12,7 +12,7 @@ from matplotlib.axes import Axes
 
 from rodgen.arrays import Array
 from rodgen.integrate import Solution
-from rodgen.model.term import FORCE, SPREAD, Term
+from rodgen.model.term import COUPLE, FORCE, SPREAD, Term
 from rodgen.model.terms import TERMS
 from rodgen.show.canvas import BEHIND, FAINT, letter_size, scales_of
 
@@ -105,12 +105,16 @@ def _text(numbers: Iterable[int]) -> str:
 
 
 def force_intervals(solution: Solution) -> Iterator[tuple[Term, float, float]]:
-    """Yield the forces that act for some of the time, with start and end of each interval [s]."""
+    """Yield the forces and couples that act for some of the time, with start and end of each
+    interval [s]."""
     for name in solution.scene.loads.terms:
         term = TERMS[name]
-        if term.kind not in (FORCE, SPREAD):
+        if term.kind == COUPLE:
+            acts = solution.values(term.size_parameters[0].name) != 0
+        elif term.kind in (FORCE, SPREAD):
+            acts = np.abs(solution.forces[name]).sum(axis=(1, 2)) > 0
+        else:
             continue
-        acts = np.abs(solution.forces[name]).sum(axis=(1, 2)) > 0
         if acts[1:-1].all() or not acts.any():  # where it grows from zero, it acts throughout
             continue
         edges = np.flatnonzero(np.diff(np.concatenate(([0], acts, [0]))))

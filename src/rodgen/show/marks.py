@@ -37,6 +37,8 @@ STARTS = {
     "pin": ("^", 5.5, "triangle: pinned "),
     "none": ("o", 3.5, "dot: "),
 }
+# Of the curved arrow of a couple: the angle of the longest [rad], and its head in radii.
+LONGEST_TURN, HEAD = 1.5 * np.pi, 0.45
 DISC = 16.0  # points across: of a body that is the whole mass
 
 
@@ -78,6 +80,18 @@ def draw_marks(axes: Axes, scene: Scene, joints: Array, colour: Any, anchors: bo
     for tie in scene.anchors.support_points:
         axes.plot(*tie.segment(joints).T, ":", color=colour, linewidth=LINE)
         axes.plot(tie.x, tie.y, "^", color=FIXED, markersize=7)
+
+
+def curved_arrow(radius: float, share: float) -> Array:
+    """Return the line of a curved arrow about zero and of its head (k, 2); share: of the longest,
+    positive to the left."""
+    angles = np.linspace(0.0, share * LONGEST_TURN, 41) - np.pi / 4
+    arc = radius * np.stack((np.cos(angles), np.sin(angles)), axis=-1)
+    outwards = arc[-1] / radius
+    back = np.sign(share) * np.array([outwards[1], -outwards[0]])
+    wings = (arc[-1] + HEAD * radius * (back + side * outwards) for side in (0.5, -0.5))
+    first, last = wings
+    return np.concatenate((arc, [first, arc[-1], last]))
 
 
 def describe_marks(scene: Scene, anchors: bool = True) -> str:

@@ -18,7 +18,7 @@ from scipy.linalg import solve_triangular
 from rodgen.arrays import Array
 from rodgen.integrate.quantity_formulas import loads_at_work
 from rodgen.loading.generated_module import call_module
-from rodgen.model.term import ANCHOR, DRAG
+from rodgen.model.term import ANCHOR, COUPLE, DRAG
 from rodgen.model.terms import TERMS
 from rodgen.scene import Scene
 
@@ -83,11 +83,9 @@ def zero_exponents(scene: Scene, model: ModuleType) -> dict[str, int]:
         found["energy"] = 1
     if scene.time_laws.feedback or scene.states:
         return found
-    terms = [TERMS[name] for name in scene.structure.terms]
+    terms = [TERMS[name] for name in scene.structure.loads]
     anchored = any(term.kind == ANCHOR for term in terms)
-    directed = [
-        t for t in terms if not (t.follows or t.is_damping or t.name == "distributed_follower")
-    ]
+    directed = [t for t in terms if not (t.follows or t.is_damping or t.kind == COUPLE)]
     blind = not (anchored or directed or any(t.kind == DRAG and t.name not in ALIKE for t in terms))
     moves = scene.boundary_condition.translates
     if moves and not anchored:

@@ -22,8 +22,9 @@ from rodgen.progress import show_run
 from rodgen.scene import Scene
 from rodgen.show.animation.film_files import check_file, find_ffmpeg, open_writer
 from rodgen.show.animation.frame_times import FilmSettings, FramePlan, plan_frames
+from rodgen.show.animation.load_arrows import CoupleArrows, LoadArrows
 from rodgen.show.animation.motion import MotionSamples, choose_camera, ground_grid, sample_motion
-from rodgen.show.animation.stage import GRID_STYLE, LoadArrows, Stage
+from rodgen.show.animation.stage import GRID_STYLE, Stage
 from rodgen.show.canvas import (
     BED,
     BODY,
@@ -184,11 +185,11 @@ class FrameRenderer:
         self._joints = self.camera.to_picture(motion.joints)
         self._centre = self.camera.to_picture(motion.centre)
         self._arrows = LoadArrows(motion, self.camera, stage)
+        self._couples = CoupleArrows(motion, self.camera, stage)
+        loads = (*self._arrows.names, *self._couples.names)
         self._hold = SUPPORTS[scene.boundary_condition.start_drawing]
         bodies = bool(scene.bodies)
-        stage.add_legend(
-            (self._hold[0], start_name(scene)), bodies, self._arrows.names, self.camera.view
-        )
+        stage.add_legend((self._hold[0], start_name(scene)), bodies, loads, self.camera.view)
         self._digits = min(max(2, math.ceil(-math.log10(speed / settings.fps))), 12)
         self._add_moving(scene)
         self._still = stage.draw_background()
@@ -242,6 +243,7 @@ class FrameRenderer:
         self._show_anchors(k)
         self._show_rod(k)
         self._arrows.draw(k)
+        self._couples.draw(k)
         self._show(self._middle, self._centre[k, None])
         self._clock.set_text(f"t = {t:.{self._digits}f} s")
         stage.axes.draw_artist(self._clock)

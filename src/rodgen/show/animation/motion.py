@@ -10,6 +10,7 @@ import numpy as np
 
 from rodgen.arrays import Array
 from rodgen.integrate import Solution
+from rodgen.integrate.couples import couples_of
 from rodgen.model.term import FORCE, SPREAD, WEIGHT
 from rodgen.model.terms import TERMS
 
@@ -32,7 +33,8 @@ class LoadSamples(NamedTuple):
 class MotionSamples:
     """Motion at every sample. t: times [s], (S,); joints: [m], (S, n+1, 2); centre: of gravity [m],
     (S, 2); axis: angle of the principal axis of the smaller moment, without jumps [rad], (S,);
-    bending: in every joint, (S, n+1), and label, its name; loads: by their terms."""
+    bending: in every joint, (S, n+1), and label, its name; loads, by their terms; couples: points
+    and moments, (S, 3), likewise."""
 
     t: Array
     joints: Array
@@ -41,6 +43,7 @@ class MotionSamples:
     bending: Array
     label: str
     loads: dict[str, LoadSamples]
+    couples: dict[str, Array]
 
     @property
     def bending_limit(self) -> float:
@@ -62,6 +65,7 @@ def sample_motion(solution: Solution) -> MotionSamples:
             np.nan_to_num(bending),
             label,
             _loads(solution),
+            couples_of(solution, solution.scene.structure.terms),
         )
 
 
@@ -171,7 +175,7 @@ def _make_camera(motion: MotionSamples, view: str, aspect: float) -> Camera:
     middle, half = (low + high) / 2, (high - low) / 2
     if view != "fixed":  # the centre of gravity stays in the middle
         middle, half = zero, np.maximum(-low, high)
-    height = max(half[1], half[0] / aspect) * VIEW_MARGIN[bool(motion.loads)]
+    height = max(half[1], half[0] / aspect) * VIEW_MARGIN[bool(motion.loads or motion.couples)]
     around = np.array([aspect * height, height])
     if np.abs(middle).max() > FAR_FROM_VIEW * height:
         unit = 10.0 ** math.ceil(math.log10(height))

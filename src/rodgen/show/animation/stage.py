@@ -1,4 +1,4 @@
-"""Background of an animation: axes, scale, title, colours, legend; and arrows of loads."""
+"""Background of an animation: axes, scale, title, colours, legend."""
 
 from __future__ import annotations
 
@@ -6,22 +6,19 @@ import math
 from collections.abc import Sequence
 from typing import Any
 
-import numpy as np
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.cm import ScalarMappable
 from matplotlib.collections import LineCollection
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
-from matplotlib.quiver import Quiver
 from matplotlib.text import Text
 from matplotlib.ticker import MultipleLocator
 
-from rodgen.arrays import Array
-from rodgen.model.term import FORCE
+from rodgen.model.term import COUPLE
 from rodgen.model.terms import TERMS
 from rodgen.scene import Scene
 from rodgen.show.animation.frame_times import FilmSettings
-from rodgen.show.animation.motion import Camera, MotionSamples
+from rodgen.show.animation.motion import Camera
 from rodgen.show.canvas import BODY, CENTRE, GUIDE, INK, MOMENTS, PAPER, TAIL, moment_norm
 
 GRID_STYLE: dict[str, Any] = {"color": GUIDE, "alpha": 0.45, "linewidth": 0.7}
@@ -30,8 +27,6 @@ SMALLEST_LETTERS = 0.62  # of theirs there
 KEY = 0.3  # inches below the legend, for the scale of the arrows
 SPACING = 0.6  # inches between lines of the grid, at least: room for a number
 MARGINS = 0.82, 2.05, 0.62, 0.55  # inches left, right, below and above the axes
-LONGEST_ARROW = 0.2  # of half of the picture's shorter side: the arrow of the largest force
-LEAST_ARROW = 0.02  # of the longest: shorter ones are not drawn
 
 
 class Stage:
@@ -121,8 +116,9 @@ class Stage:
             marks.append(disc)
         for name in loads:
             load = TERMS[name]
-            line = Line2D([], [], color=load.colours[0], linewidth=0, marker=r"$\rightarrow$")
-            line.set(markersize=16, label=load.label)
+            mark = r"$\circlearrowleft$" if load.kind == COUPLE else r"$\rightarrow$"
+            line = Line2D([], [], color=load.colours[0], linewidth=0, marker=mark)
+            line.set(markersize=10 if load.kind == COUPLE else 16, label=load.label)
             marks.append(line)
         if view != "fixed":
             marks.append(Line2D([], [], color=GUIDE, label=f"grid of {self.grid_step:g} m"))
@@ -189,87 +185,3 @@ def _axis_label(name: str, origin: float) -> str:
     if not origin:
         return f"{name} [m]"
     return f"{name} {'-' if origin > 0 else '+'} {abs(origin):.15g} m [m]"
-
-
-class LoadArrows:
-    """Arrows of the loads of a motion, seen by a camera; names: loads that are not always zero."""
-
-    def __init__(self, motion: MotionSamples, camera: Camera, stage: Stage):
-        self._force = {
-            name: camera.rotate(load.force)
-            for name, load in motion.loads.items()
-            if np.any(load.force)
-        }
-        self.names = tuple(self._force)
-        self._stage = stage
-        if not self.names:
-            return
-        sizes = {name: np.linalg.norm(force, axis=-1) for name, force in self._force.items()}
-        largest = max(float(size.max()) for size in sizes.values())
-        per_metre = largest / (LONGEST_ARROW * camera.half.min())
-        self._point = {name: camera.to_picture(motion.loads[name].point) for name in self.names}
-        before = camera.to_picture(motion.joints[:, -2])
-        for name in self.names:
-            at, arrow = self._point[name], self._force[name] / per_metre
-            # A force that pushes the tail ends there, so that it does not hide the rod.
-            if TERMS[name].kind == FORCE:
-                pushes = np.sum(arrow * (before - at), axis=-1) > 0
-                self._point[name] = at - pushes[:, None] * arrow
-            hidden = sizes[name][:, None] < LEAST_ARROW * largest
-            self._force[name] = np.where(hidden, np.nan, self._force[name])
-        self._quiver = self._draw_quiver(per_metre)
-        self._add_key(largest, per_metre * 2 * camera.half[1] / stage.size[1])
-
-    def _draw_quiver(self, per_metre: float) -> Quiver:
-        point, force = self._arrows_at(0)
-        return self._stage.axes.quiver(
-            *point.T,
-            *force.T,
-            color=[TERMS[name].colours[0] for name in self.names],
-            angles="xy",
-            scale_units="xy",
-            scale=per_metre,
-            units="dots",
-            width=3 * self._stage.zoom,
-            animated=True,
-            zorder=6,
-        )
-
-    def _add_key(self, largest: float, per_pixel: float) -> None:
-        """Add an arrow of a round number of newtons, with the number."""
-        stage, newtons = self._stage, _round_down(largest)
-        width, height = stage.canvas.get_width_height()
-        # With its label to the east, a key's place is that of its tip.
-        at = (
-            stage.panel_corner[0] + newtons / per_pixel / width,
-            stage.panel_corner[1] + 6 * stage.zoom / height,
-        )
-        stage.axes.quiverkey(
-            self._quiver,
-            *at,
-            newtons,
-            f"{newtons:g} N",
-            coordinates="figure",
-            labelpos="E",
-            color=INK,
-            labelcolor=INK,
-            fontproperties={"size": 9},
-        )
-
-    def _arrows_at(self, k: int) -> tuple[Array, Array]:
-        points = np.array([self._point[name][k] for name in self.names])
-        return points, np.array([self._force[name][k] for name in self.names])
-
-    def draw(self, k: int) -> None:
-        """Draw the arrows of sample k."""
-        if self.names:
-            point, force = self._arrows_at(k)
-            self._quiver.set_offsets(point)
-            self._quiver.set_UVC(*force.T)
-            self._stage.axes.draw_artist(self._quiver)
-
-
-def _round_down(largest: float) -> float:
-    """Return the largest of 1, 2 or 5 times a power of ten that is not above."""
-    unit = 10.0 ** math.floor(math.log10(largest))
-    return unit * max(digit for digit in (1, 2, 5) if digit * unit <= largest * (1 + 1e-9))
