@@ -173,15 +173,18 @@ def test_every_load_that_a_page_draws_is_told(
 ) -> None:
     """Against the module: a force for each joint, gravity beside the centre of gravity."""
     scene = make_scene(links, terms=terms)
-    model = rodgen.build(scene, "numpy")
+    model, system = rodgen.build(scene, "numpy"), rodgen.System(scene)
     y, p = scene.initial_state()[None], model.parameters(**scene.parameters)
-    origin, found = rod_arrays(model, Chunk(np.array([0.3]), y, np.zeros((1, 0)), (), p))
+    origin, found = rod_arrays(model, system, Chunk(np.array([0.3]), y, np.zeros((1, 0)), (), p))
     arrays = dict(found)
     drawn = {name: term for name, term in elements.LOADS.items() if name in terms}
     assert len(drawn) >= 2
     for name, term in drawn.items():
         if elements.ARROWS[term.kind] == "mass":
             assert arrays["point"][3] == pytest.approx(9.81)
+        elif elements.ARROWS[term.kind] == "link":  # at the tail
+            told = [*model.joints(y[0], p)[-1] - origin, 5.0]
+            assert arrays[f"couple:{name}"] == pytest.approx(told, rel=1e-6)
         else:
             force = model.forces(0.3, y[0], p)[name]
             assert np.abs(force).max() > 0

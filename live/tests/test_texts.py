@@ -149,11 +149,12 @@ def test_rows_are_those_of_the_scene(make_scene: Make, links: int, terms: tuple[
     assert set(shown(scene)) == set(rows) - {"t"}  # which comes with every picture
     assert ("Loads and damping" in titles) == bool(terms)
     assert ("Critical force" in titles) == ("follower" in terms)
-    assert ("gravity_energy" in rows) == ("gravity" in terms)
+    potentials = {"gravity", "moment"}  # of a couple that is a number
+    assert ("gravity_energy" in rows) == bool(potentials & {*terms})
     assert ("spring_stiffness" in rows) == (links > 1)
     assert ("fin_factor_body" in rows) == ("external_damping" in terms and links > 1)
     for term in TERMS:
-        assert (f"work_{term}" in rows) == (term in terms and term != "gravity")
+        assert (f"work_{term}" in rows) == (term in terms and term not in potentials)
     for name in scene.structure.parameters:
         other = name in ("fin_factor", *scene.structure.numbers)
         assert name in rows or other or name.startswith(("foundation_", "support_"))

@@ -17,8 +17,8 @@ from rodgen.integrate.quantity_formulas import MotionSlice
 from rodgen.integrate.stepper import Counts
 from rodgen.model.quantities import Index, find_quantity
 from rodgen.model.rod import MASS_PER_LENGTH, ROD
-from rodgen.model.term import JOINTS, WEIGHT, typeset
-from rodgen.model.terms import EMPTYING, PARAMETERS, TERMS
+from rodgen.model.term import JOINTS, typeset
+from rodgen.model.terms import EMPTYING, PARAMETERS, TERMS, describe
 from rodgen.scene import Scene, spring_law
 from rodgen.scene.integration import AUTO, IntegrationTable
 from rodgen_live.plot_quantities import motion_of
@@ -256,15 +256,13 @@ def _energies(now: RunStatus) -> Iterator[TextRow]:
     structure = now.scene.structure
     yield _quantity(now, "kinetic_energy")
     yield _quantity(now, "spring_energy")
-    terms = [TERMS[term] for term in structure.loads]
-    if any(term.kind == WEIGHT for term in terms):
+    if structure.potentials:
         yield _quantity(now, "gravity_energy")
     yield _quantity(now, "total_energy", "total energy")
-    works = {term.name: term.words for term in terms if term.kind != WEIGHT}
-    works |= {EMPTYING: EMPTYING} if structure.masses else {}
-    for name, words in works.items():
-        key = f"work_{name}"  # which a module may lack
-        yield _row(key, f"work of {words}", "J", now.value(key) if name in now.motion.work else "")
+    works = [name for name in structure.loads if name not in structure.potentials]
+    for name in [*works, EMPTYING] if structure.masses else works:
+        key, words = f"work_{name}", f"work of {describe(name)}"  # which a module may lack
+        yield _row(key, words, "J", now.value(key) if name in now.motion.work else "")
     # Not there until something is done to the run.
     yield _row("given", "given by changes, kicks and pulls", "J", now.chunk.given or "")
     yield _quantity(now, "energy_balance", "balance error")

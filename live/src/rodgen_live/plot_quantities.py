@@ -183,7 +183,7 @@ def _scalars(scene: Scene, works: tuple[str, ...]) -> Iterator[tuple[PlotQuantit
     }
     held = sorted({tie.link for tie in scene.anchors.support_points})
     for quantity in QUANTITIES:
-        if quantity.name == "gravity_energy" and "gravity" not in scene.loads.terms:
+        if quantity.name == "gravity_energy" and not scene.structure.potentials:
             continue
         unit = typeset(quantity.unit)
         for term, words in terms.get(quantity.each, {}).items():

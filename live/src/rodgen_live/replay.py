@@ -46,7 +46,7 @@ def replay(solution: Solution, choices: Iterable[dict[str, Any]]) -> Replay:
     given = ({**choice, "window": span, "id": f"p{k}"} for k, choice in enumerate(choices))
     plots = [Plot(PlotSpec.from_dict(choice, catalogue), catalogue) for choice in given]
     # Evenly spaced ones, as many as there is room for.
-    size = len(encode({}, rod_arrays(solution.model, samples[0])[1]))
+    size = len(encode({}, rod_arrays(solution.model, solution.system, samples[0])[1]))
     most = min(len(samples), MOST, max(LEAST, ROOM // size))
     shown = [samples[k] for k in np.linspace(0, len(samples) - 1, most).round().astype(int)]
     times = [float(sample.t[0]) for sample in shown]
@@ -54,7 +54,7 @@ def replay(solution: Solution, choices: Iterable[dict[str, Any]]) -> Replay:
 
     def message(sample: Chunk, arrays: Sequence[Named], **more: Any) -> bytes:
         t = float(sample.t[0])
-        origin, places = rod_arrays(solution.model, sample)
+        origin, places = rod_arrays(solution.model, solution.system, sample)
         header = {"t": t, "origin": origin, "begun": BEGUN, "line": {**line, "past": t, **more}}
         pull = pull_array(solution.model, solution.system, sample, origin)
         return encode(header, [*places, pull, *arrays])

@@ -17,7 +17,7 @@ from nicegui import ui
 from nicegui.element import Element
 
 from rodgen.model.palette import DARK, LIGHT, Colours, colours_of
-from rodgen.model.term import DRAG, FORCE, SPREAD, WEIGHT
+from rodgen.model.term import COUPLE, DRAG, FORCE, SPREAD, WEIGHT
 from rodgen.model.terms import TERMS
 
 STATIC = Path(__file__).parents[1] / "static"
@@ -38,7 +38,7 @@ class Layer(NamedTuple):
 
 
 # How the picture draws a load, by what it acts on.
-ARROWS = {FORCE: "point", WEIGHT: "mass", DRAG: "joints", SPREAD: "joints"}
+ARROWS = {FORCE: "point", WEIGHT: "mass", DRAG: "joints", SPREAD: "joints", COUPLE: "link"}
 LOADS = {name: term for name, term in TERMS.items() if term.kind in ARROWS}
 LAYERS = {
     "moment": Layer("bending moment, as colour"),
@@ -109,7 +109,6 @@ class Channel(Component, component=STATIC / "channel.js", esm={"rodgen-live": st
 
 def arrows_of(names: Iterable[str]) -> list[dict[str, Any]]:
     """Arrows of loads, as the page draws them; layer: by which they are switched on and off."""
-    loads = ((name, TERMS[name]) for name in names)
     return [
         {
             "term": name,
@@ -118,7 +117,7 @@ def arrows_of(names: Iterable[str]) -> list[dict[str, Any]]:
             "kind": ARROWS[load.kind],
             "colours": load.colours,
         }
-        for name, load in loads
+        for name, load in ((name, TERMS[name]) for name in names)
         if load.kind in ARROWS
     ]
 

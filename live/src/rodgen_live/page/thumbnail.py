@@ -2,20 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from io import BytesIO
 
 import numpy as np
 from matplotlib.figure import Figure
 
 from rodgen.arrays import Array
-from rodgen.model.term import FORCE, SPREAD, WEIGHT, Term
+from rodgen.model.term import COUPLE, FORCE, SPREAD, WEIGHT, Term
 from rodgen.model.terms import TERMS
 from rodgen.scene import Scene
 from rodgen.scene.plain_tables import get_at
 from rodgen.scene.rod_points import link_and_share
 from rodgen.show.canvas import ROD
-from rodgen.show.marks import draw_marks
+from rodgen.show.marks import curved_arrow, draw_marks
 
 SIZE, ROOM, ARROW = np.array((168.0, 104.0)), 26.0, 22.0  # points; ROOM: about the rod
 ALONG, ASIDE = (0.15, 0.38, 0.62, 0.85), 8.0  # where on the rod arrows stand; points beside it
@@ -39,7 +39,8 @@ def thumbnail(scene: Scene) -> bytes:
     draw_marks(axes, scene, joints, ROD)
     for name in scene.loads.terms:
         style = {"arrowstyle": "-|>", "color": TERMS[name].colours[0], "lw": 2.0, **NO_GAP}
-        for start, end in _arrows(scene, TERMS[name], joints, point):
+        for *line, start, end in _arrows(scene, TERMS[name], joints, point):
+            axes.plot(*np.transpose([*line, start]), color=style["color"], lw=2.0)
             axes.annotate("", (*end,), (*start,), arrowprops=style)
     file = BytesIO()
     figure.savefig(file, format="svg", transparent=True)
@@ -57,24 +58,27 @@ def joints_at_start(scene: Scene) -> Array:
     return np.concatenate(([start], start + np.cumsum(links, axis=0)))
 
 
-def _arrows(scene: Scene, term: Term, joints: Array, point: float) -> Iterator[tuple[Array, Array]]:
-    """Ends of the arrows of a load [m]; point: metres. One that pushes ends at the rod, and one
+def _arrows(scene: Scene, term: Term, joints: Array, point: float) -> Iterator[Sequence[Array]]:
+    """Points of the arrows of a load [m]; point: metres. One that pushes ends at the rod, and one
     that pulls begins there."""
-    size = point * ARROW
+    size, table = point * ARROW, get_at(scene.loads, *scene.loads.table_keys[term.name])
     if term.kind == SPREAD:
+        nu = angle if isinstance(angle := getattr(table, "angle", None), float) else 0.0
         for share in ALONG:
             place, along = _point_at(share, joints)
-            start = place + point * ASIDE * along @ LEFT
-            yield start, start - 0.6 * size * along
+            push = -0.6 * size * (np.cos(nu) * along + np.sin(nu) * along @ LEFT)
+            start = place + point * ASIDE * np.cos(nu) * along @ LEFT - abs(np.sin(nu)) * push
+            yield start, start + push
     elif term.kind == WEIGHT:
         yield joints.mean(axis=0), joints.mean(axis=0) - [0.0, size]
-    elif term.kind == FORCE:
-        one = term.parameters[0]
-        table = get_at(scene, *scene.key_path(one.name)[: -len(one.key_path)])
+    elif term.kind in (FORCE, COUPLE):
         place, along = _point_at(getattr(table, "at", 1.0), joints)
         # Of an expression it is shown that it is there, not which way it points at first.
         parts = [get_at(table, *part.key_path) for part in term.size_parameters]
         pull = np.array([part if isinstance(part, int | float) else 1.0 for part in parts])
+        if term.kind == COUPLE:
+            yield [*(place + curved_arrow(0.4 * size, np.sign(pull[0]))[:-3])]
+            return
         pull = -size * along if term.follows else size * pull / (np.linalg.norm(pull) or 1.0)
         yield (place - pull, place) if pull @ along < 0 else (place, place + pull)
 

@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rodgen.arrays import Array
+from rodgen.integrate.couples import couples_of
 from rodgen.integrate.quantity_formulas import MotionSlice, principal_axes
 from rodgen.loading.generated_module import call_module
 from rodgen.system import System
@@ -46,17 +47,17 @@ MOST_SECTIONS = 201  # joints: of longer rods, forces in them cost too much of a
 LARGEST = 1e30  # of what is drawn: beyond, single precision ends
 
 
-def rod_arrays(model: ModuleType, chunk: Chunk) -> tuple[list[float], list[Named]]:
+def rod_arrays(model: ModuleType, system: System, chunk: Chunk) -> tuple[list[float], list[Named]]:
     """Origin [m], and arrays that draw the rod at the last sample: joints relative to the origin,
     rates, moments, axial and shear forces in the joints that have them, forces on the joints by
-    load; "point": centre of gravity relative to the origin, angle of a principal axis, gravity."""
+    load, couples; "point": centre of gravity from there, angle of a principal axis, gravity."""
     t, y, p = chunk.t[-1], chunk.y[-1], chunk.p
     gravity = p[model.PARAMETERS.index("gravity")] if "gravity" in model.PARAMETERS else 0.0
     with np.errstate(all="ignore"):  # a state may have stopped being finite
         joints, centre = model.joints(y, p), call_module(model, "centre_of_gravity", t, y, p)
         origin = np.nan_to_num(joints[0], nan=0.0, posinf=0.0, neginf=0.0)
         angle = float(principal_axes(*call_module(model, "inertia", t, y, p)).angle)
-        piece = MotionSlice(model, p, y, t)
+        piece = MotionSlice(model, p, y, t, timed=system.time_dependent_loads)
         arrays: list[Named] = [
             ("joints", single_precision(joints - origin)),
             ("omega", single_precision(piece.values("omega"))),
@@ -67,6 +68,8 @@ def rod_arrays(model: ModuleType, chunk: Chunk) -> tuple[list[float], list[Named
             arrays.append(("section", single_precision(piece.values("section_forces"))))
         forces = model.forces(t, y, p)
         arrays += [(f"forces:{term}", single_precision(force)) for term, force in forces.items()]
+        for term, couple in couples_of(piece, model.TERMS).items():
+            arrays.append((f"couple:{term}", single_precision(couple - [*origin, 0.0])))
     return origin.tolist(), arrays
 
 

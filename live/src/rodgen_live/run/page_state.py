@@ -193,8 +193,8 @@ class PageState:
         seen = run.page_sample
         if np.isfinite(seen.y[-1]).all():
             header["t"] = float(seen.t[-1])
-            header["origin"], arrays = message.rod_arrays(run.model, seen)
             system = run.live.system_with_support
+            header["origin"], arrays = message.rod_arrays(run.model, system, seen)
             arrays.append(message.pull_array(run.model, system, seen, header["origin"]))
             if run.ghost:
                 header["kept"] = run.ghost.store.span

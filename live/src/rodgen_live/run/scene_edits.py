@@ -114,11 +114,8 @@ def groups_of(scene: Scene) -> Iterator[FieldGroup]:
 
 
 def _load_groups(scene: Scene) -> Iterator[FieldGroup]:
-    for name in scene.loads.terms:
-        term = TERMS[name]
-        one = term.parameters[0]
-        place = scene.key_path(one.name)[: -len(one.key_path)]
-        key, table = ".".join(place), get_at(scene, *place)
+    for name, keys in scene.loads.table_keys.items():
+        term, key, table = TERMS[name], ".".join(("loads", *keys)), get_at(scene.loads, *keys)
         yield FieldGroup(key, table, term.parameters)
         if term.placed:
             yield FieldGroup(key, table, (AT_IN_MODULE,), f" of the {term.label}")

@@ -10,6 +10,7 @@ const VALUE = ", scale 0.00 m/s\u00b2"; // as wide as most
 const BESIDE = 14; // pixels from an end to its name
 const LYING = 0.4; // the sine of a link's angle, below which it lies
 const STEPS = 48; // of the colours of the bending moment
+const RADIUS = 20; // pixels, of the arrows of couples
 const LARGEST_BODY = 18; // pixels, the radius of a body that is the whole mass
 const MOST_NAMES = 8; // of bodies
 
@@ -61,8 +62,7 @@ export function axes(context, x, y, [dx, dy], colours) {
 // Arrows [x, y, dx, dy] in pixels, from (x, y); those of a kind in one stroke and one fill.
 export function arrows(context, list, colour, width = 2) {
   const head = 2 + 2.6 * width;
-  context.strokeStyle = context.fillStyle = colour;
-  context.lineWidth = width;
+  Object.assign(context, { strokeStyle: colour, fillStyle: colour, lineWidth: width });
   context.lineCap = "butt";
   const seen = list.filter(([, , dx, dy]) => Math.hypot(dx, dy) > 1.5);
   context.beginPath();
@@ -82,6 +82,20 @@ export function arrows(context, list, colour, width = 2) {
     context.lineTo(x + dx - ux + 0.4 * uy, y + dy - uy - 0.4 * ux);
   }
   context.fill();
+}
+
+// Curved arrows [x, y, length] in pixels about (x, y), to the left where the length is above zero.
+export function curved(context, list, colour, width = 2) {
+  Object.assign(context, { strokeStyle: colour, lineWidth: width });
+  for (const [x, y, length] of list) {
+    const head = Math.sign(length) * Math.min(Math.abs(length) / RADIUS, 0.4);
+    const end = TURN / 8 - length / RADIUS + head; // where the head begins
+    const [dx, dy] = [Math.cos(end) * RADIUS, Math.sin(end) * RADIUS];
+    context.beginPath();
+    context.arc(x, y, RADIUS, TURN / 8, end, length > 0);
+    context.stroke();
+    arrows(context, [[x + dx, y + dy, dy * head, -dx * head]], colour, width);
+  }
 }
 
 // Where an arrow at the end of a rod begins: a force that pushes ends at the rod, so that it does
