@@ -6,6 +6,7 @@ from dataclasses import replace
 from functools import lru_cache
 from pathlib import Path
 from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -28,15 +29,25 @@ STRAIGHT, BENT = 4, 13  # two links, with feedback and with springs
 WRONG = {CONTRADICTED, REFUSED}
 
 
-@pytest.mark.parametrize("seed", [0, 16, 48, 64])
-def test_the_chain_moves_as_rodgen_says(seed: int) -> None:
+# Beside the loads of random scenes.
+MORE = {
+    "moment": [{"moment": 3.0, "at": 0.4}, {"moment": "2*phi(0.5) - omega(1)"}],
+    "distributed_follower": {"force_per_length": 4.0, "angle": -1.2},
+    "viscous_drag": {"normal": 0.8, "tangential": 0.3, "wind": [0.5, -0.2]},
+}
+
+
+@pytest.mark.parametrize(("seed", "more"), [(0, {}), (16, {}), (48, {}), (64, {}), (0, MORE)])
+def test_the_chain_moves_as_rodgen_says(seed: int, more: dict[str, Any]) -> None:
     """Two programs that share nothing but the text of a scene: 1e-12 of the largest rate."""
     one = sketch(seed)
-    scene = rodgen.Scene.from_dict(one.at(one.unit))
+    table = one.at(one.unit)
+    table |= {"loads": table["loads"] | more}
+    scene = rodgen.Scene.from_dict(table)
     model = rodgen.build(scene, "numpy")
     y = np.random.default_rng(seed).normal(size=len(scene.initial_state()))
     expected = model.rhs(0.0, y, model.parameters(**scene.parameters))
-    found = rates(LinkChain(one.at(one.unit), FLOAT), y.tolist())
+    found = rates(LinkChain(table, FLOAT), y.tolist())
     np.testing.assert_allclose(found, expected, rtol=0, atol=1e-12 * np.abs(expected).max())
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from itertools import pairwise
 from typing import Any
 
@@ -90,8 +90,15 @@ class ChainLoads:
 
     def distributed_follower(self, load: Table) -> None:
         push = self.of(load["force_per_length"]) * self.chain.l
+        angle, numbers = self.value(load.get("angle", 0.0)), self.chain.numbers
+        a, b = numbers.cos(angle), numbers.sin(angle)
         for link, (cos, sin) in enumerate(self.here.e):
-            self.forces.append((self.chain.arms(link, self.chain.l / 2), -push * cos, -push * sin))
+            x, y = -push * (cos * a - sin * b), -push * (sin * a + cos * b)
+            self.forces.append((self.chain.arms(link, self.chain.l / 2), x, y))
+
+    def moment(self, load: Any) -> None:
+        for one in load if isinstance(load, list) else [load]:
+            self.moments[self.chain.place(one.get("at", 1.0))[0]] += self.value(one["moment"])
 
     def gravity(self, load: Table) -> None:
         for m, arms in self.chain.masses:
@@ -118,6 +125,12 @@ class ChainLoads:
                 self.forces.append((self.chain.joints[s], -c * x, -c * y))
 
     def drag(self, load: Table) -> None:
+        self._resist(load, lambda speed: abs(speed) * speed)
+
+    def viscous_drag(self, load: Table) -> None:
+        self._resist(load, lambda speed: speed)
+
+    def _resist(self, load: Table, law: Callable[[Any], Any]) -> None:
         wind = [self.value(part) for part in load.get("wind", (0.0, 0.0))]
         for s, (cos, sin) in enumerate(self._directions()):
             x, y = (
@@ -125,8 +138,8 @@ class ChainLoads:
             )
             along, across = x * cos + y * sin, y * cos - x * sin
             weight = self.chain.l * self.chain.at_joint(s)
-            a = -weight * self.of(load.get("tangential", 0.0)) * abs(along) * along
-            b = -weight * self.of(load.get("normal", 0.0)) * abs(across) * across
+            a = -weight * self.of(load.get("tangential", 0.0)) * law(along)
+            b = -weight * self.of(load.get("normal", 0.0)) * law(across)
             self.forces.append((self.chain.joints[s], a * cos - b * sin, a * sin + b * cos))
 
     def support(self, load: Table) -> None:
