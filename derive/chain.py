@@ -39,15 +39,15 @@ def spring_energy(law: Expr) -> Expr:
     return found - found.subs(bend, 0)
 
 
-def spring_moment(before: Expr, after: Expr, stiffness: Expr, law: Expr = LINEAR) -> Expr:
-    """Moment [N m] of the rotary spring between two links at these angles on the link before; the
-    link after gets the opposite."""
-    return law.xreplace({bend: after - before, k: stiffness}) if stiffness != 0 else S.Zero
+def spring_moment(bent: Expr, stiffness: Expr, law: Expr = LINEAR) -> Expr:
+    """Moment [N m] of a rotary spring that is bent by this angle on the link before it; the link
+    after gets the opposite."""
+    return law.xreplace({bend: bent, k: stiffness}) if stiffness != 0 else S.Zero
 
 
-def spring_potential(before: Expr, after: Expr, stiffness: Expr = k, law: Expr = LINEAR) -> Expr:
-    """Energy [J] of the rotary spring between two links at these angles (thesis 2.19)."""
-    return spring_moment(before, after, stiffness, spring_energy(law))
+def spring_potential(bent: Expr, stiffness: Expr = k, law: Expr = LINEAR) -> Expr:
+    """Energy [J] of a rotary spring that is bent by this angle (thesis 2.19)."""
+    return spring_moment(bent, stiffness, spring_energy(law))
 
 
 def lever(place: str, xi: Expr) -> Expr:

@@ -1,6 +1,6 @@
 """The matrices of the model, assembled by hand: a second route to compare with, never emitted.
 
-    M v' = Q omega^2 - K phi + loads
+    M v' = Q omega^2 - K phi + rest + loads
 
 The loads' own closed forms stand with them in loads/.
 Written for any arithmetic that knows cos, sin and sums: polynomials, exact rationals, symbols
@@ -14,7 +14,7 @@ from collections.abc import Callable, Collection, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from rodgen.model.rod import Boundary
+from rodgen.model.rod import MASS_WAYS, Boundary
 
 # Half a link bends at a clamped root: its spring is twice an inner joint's, and its damping too.
 ROOT = 2
@@ -59,7 +59,7 @@ def link_masses(
     nonuniform: Collection[str], of: Callable[[str], Any], lumped: bool, half: Num
 ) -> LinkMasses | None:
     """Mass properties of links that differ, from their parameters, else None. half: the number."""
-    if not {"mass", "bodies", "points"} & {*nonuniform}:
+    if MASS_WAYS.isdisjoint(nonuniform):
         return None
     mass, nothing = of("link_mass").__getitem__, 0 * half
     if "mass" in nonuniform:
@@ -83,7 +83,8 @@ class ClosedForm:
 
     phi: all angles, held ones included; boundary: how the ends are held; lumped: half the mass of a
     link at each of its ends, not spread along it; stiffness: of every joint with a spring by its
-    number, where they differ; links_differ: the mass of every link, where they differ.
+    number, where they differ; links_differ: the mass of every link, where they differ; rest_angles:
+    between links where the spring of a joint is at rest, by its number, where not zero.
     """
 
     n: Num
@@ -96,6 +97,7 @@ class ClosedForm:
     lumped: bool = False
     stiffness: Any = None
     links_differ: LinkMasses | None = None
+    rest_angles: Any = None
 
     # Entries -------------------------------------------------------------------------------
 
@@ -200,6 +202,13 @@ class ClosedForm:
         2.42, 2.52)."""
         return -start, start + end, -end
 
+    def rest_moment(self, at: Num, size: int) -> Num:
+        """Moment of the spring in joint ``at`` on the link after it, where both its links are at
+        the same angle: stiffness times rest angle."""
+        if self.rest_angles is None or not size:
+            return 0 * self.k
+        return self.spring_stiffness(at, size) * self.rest_angles[at]
+
     def force_moment(self, i: Num, force: Pair) -> Num:
         """Generalised force on the angle of link i by a force at its end or behind it: l (cos phi_i
         F_y - sin phi_i F_x)."""
@@ -261,6 +270,18 @@ class ClosedForm:
             self.spring_stiffness, range(-1 if self.root_size else 0, self.n + bool(self.tail_size))
         )
 
+    def rest(self) -> list[Num]:
+        """Moments on the links by springs that are bent at rest: what the springs do beside K."""
+        rows = [0 * self.k for _ in range(2 * self.boundary.translates)]
+        for i in self.links:
+            start, end = self.joint_sizes(i)
+            rows.append(self.rest_moment(i, start) - self.rest_moment(i + 1, end))
+        return rows
+
+    def joint_sizes(self, i: Num) -> tuple[int, int]:
+        """Sizes of the springs at the start and the end of link i, in those of an inner joint."""
+        return 1 if i else self.root_size, 1 if i < self.n - 1 else self.tail_size
+
     def damping(self, factor: Callable[[Num, int], Num]) -> list[list[Num]]:
         """Matrix D_i, from the coefficient of each joint by number and size; columns are the moving
         links, since a held link and a clamp have no rate."""
@@ -271,8 +292,8 @@ class ClosedForm:
         zero = 0 * self.k
         rows = [[zero for _ in columns] for _ in range(2 * self.boundary.translates)]
         for i in self.links:
-            end = 1 if i < self.n - 1 else self.tail_size
-            row = self.bending_row(of(i, 1 if i else self.root_size), of(i + 1, end))
+            start, end = self.joint_sizes(i)
+            row = self.bending_row(of(i, start), of(i + 1, end))
             entries = dict(zip((i - 1, i, i + 1), row, strict=True))
             rows.append([entries.get(j, zero) for j in columns])
         return rows

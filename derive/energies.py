@@ -145,20 +145,21 @@ class Quantities:
 
     @cached_property
     def curvature(self) -> Expr:
-        """Curvature at the spring in joint s [1/m]: its moment in an even rod over the bending
-        stiffness."""
+        """Curvature at the spring in joint s [1/m]: in an even rod that is straight at rest, its
+        moment over the bending stiffness."""
 
-        def bend(before: Expr, after: Expr, spring: Joint) -> Expr:
-            return spring_moment(before, after, spring.size / l)
+        def curvature_of(before: Expr, after: Expr, spring: Joint) -> Expr:
+            return spring_moment(after - before, spring.size / l)
 
-        return _piecewise_at_ends(self.equations.at_springs(bend, phi, ALPHA), s)
+        return _piecewise_at_ends(self.equations.at_springs(curvature_of, phi, ALPHA), s)
 
     @cached_property
     def spring_energy(self) -> Expr:
         """Energy of all springs [J]."""
 
         def energy_of(before: Expr, after: Expr, spring: Joint) -> Expr:
-            return spring_potential(before, after, spring.stiffness, self.equations.law)
+            bent = spring.bend(before, after)
+            return spring_potential(bent, spring.stiffness, self.equations.law)
 
         inner, root, tail = self.equations.at_springs(energy_of, phi, ALPHA)
         return root + tail + Sum(inner, (s, 1, n - 1))
@@ -169,7 +170,7 @@ class Quantities:
         law = self.equations.law
 
         def moment_of(before: Expr, after: Expr, spring: Joint) -> Expr:
-            moment = spring_moment(before, after, spring.stiffness, law)
+            moment = spring_moment(spring.bend(before, after), spring.stiffness, law)
             return collect(expand(moment), k) if law == LINEAR else moment
 
         return _piecewise_at_ends(self.equations.at_springs(moment_of, phi, ALPHA, joint), joint)

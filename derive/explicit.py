@@ -22,7 +22,7 @@ PolyMatrix = list[list[PolyElement]]
 
 @dataclass
 class ExplicitDerivation(ExplicitChain):
-    """The equations M v' = Q omega^2 - K phi + loads of a chain with n links.
+    """The equations M v' = Q omega^2 - K phi + rest + loads of a chain with n links.
 
     Rows are the coordinates that move: x0, y0 where joint 0 is free, then the angles of the
     moving links. Columns of M are the same, those of Q the moving links, those of K
@@ -51,7 +51,9 @@ class ExplicitDerivation(ExplicitChain):
     @cached_property
     def spring_energy(self) -> PolyElement:
         """Energy of the springs in all joints."""
-        energies = (spring_potential(a, b, joint.stiffness) for joint, a, b in self.springs)
+        energies = (
+            spring_potential(joint.bend(*ends), joint.stiffness) for joint, *ends in self.springs
+        )
         return self.calculus.poly(Add(*energies))
 
     @cached_property
@@ -73,7 +75,8 @@ class ExplicitDerivation(ExplicitChain):
 
     @cached_property
     def _forcing(self) -> list[dict[str, dict[Expr, PolyElement]]]:
-        """Rows of the loadless forcing, split into factors of omega_j^2, of phi_j, and the rest."""
+        """Rows of the loadless forcing, split into factors of omega_j^2, of phi_j, what depends on
+        neither, and all else."""
         rates = [q.diff(TIME) for q in self.coordinates]
         parts = []
         for (row,) in self.lagranges_method.forcing.rows:
@@ -91,7 +94,8 @@ class ExplicitDerivation(ExplicitChain):
     def _sort_terms(
         self, split: Mapping[tuple[int, ...], PolyElement], rates: list[Expr]
     ) -> dict[str, dict[Expr, PolyElement]]:
-        out: dict[str, dict[Expr, PolyElement]] = {"squares": {}, "angles": {}, "other": {}}
+        kinds = "squares", "angles", "constant", "other"
+        out: dict[str, dict[Expr, PolyElement]] = {kind: {} for kind in kinds}
         names = rates + self.spring_angles
         for powers, coefficient in split.items():
             factors = [(name, power) for name, power in zip(names, powers, strict=True) if power]
@@ -100,6 +104,8 @@ class ExplicitDerivation(ExplicitChain):
                     out["squares"][name] = coefficient
                 case [(name, 1)] if name not in rates:
                     out["angles"][name] = coefficient
+                case []:
+                    out["constant"][S.One] = coefficient
                 case _:
                     out["other"][Mul(*(name**power for name, power in factors))] = coefficient
         return out
@@ -118,8 +124,13 @@ class ExplicitDerivation(ExplicitChain):
         return [[-row.get(a, self.calculus.zero) for a in self.spring_angles] for row in rows]
 
     @cached_property
+    def rest_moments(self) -> list[PolyElement]:
+        """Moments of springs that are bent at rest, where all angles are zero, by row."""
+        return [row["constant"].get(S.One, self.calculus.zero) for row in self._forcing]
+
+    @cached_property
     def remainder(self) -> list[dict[Expr, PolyElement]]:
-        """Terms of the loadless forcing in neither Q nor K, by row: must be empty."""
+        """Terms of the loadless forcing in none of these, by row: must be empty."""
         return [row["other"] for row in self._forcing]
 
     def load(self, term: str) -> list[PolyElement]:

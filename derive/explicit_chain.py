@@ -52,7 +52,7 @@ class ExplicitChain:
         # What all that is computed is polynomial in, and angles; loads add theirs.
         self.constants, self.turning = [m, l, k, xi], [*moving, *held]
         self.constants += [eta] if self.rod.has_offset_mass else []
-        differing = [joint.stiffness for joint in self.joints]
+        differing = [of for joint in self.joints for of in (joint.stiffness, joint.rest)]
         differing += map(self.rod.mass, range(self.n))
         if "bodies" in self.nonuniform or "points" in self.nonuniform:
             differing += [base[q] for q in range(self.n) for base in (*centre, *spread)]

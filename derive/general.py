@@ -168,7 +168,7 @@ class GeneralEquations(GenericChain):
         return self.at_springs(self._spring_moment, phi, ALPHA)
 
     def _spring_moment(self, before: Expr, after: Expr, spring: Joint) -> Expr:
-        moment = -spring_moment(before, after, spring.stiffness, self.law)
+        moment = -spring_moment(spring.bend(before, after), spring.stiffness, self.law)
         return factor(moment) if self.law == LINEAR else moment
 
     @cached_property

@@ -18,6 +18,7 @@ from rodgen.model.term import LINKS
 from .symbols import PARAMETERS, eta, k, m, xi
 
 joint_stiffness, link_mass = PARAMETERS["joint_stiffness"], PARAMETERS["link_mass"]
+rest_angle = PARAMETERS["rest_angle"]
 centre = tuple(PARAMETERS[row.name] for row in rows.CENTRE)
 spread = tuple(PARAMETERS[row.name] for row in rows.SPREAD)
 
@@ -51,10 +52,15 @@ def link_parameters(nonuniform: Iterable[str]) -> list[str]:
 @dataclass(frozen=True)
 class Joint:
     """Spring in a joint, zero where there is none: its size, in springs between links of an even
-    rod, and its stiffness [N m/rad]."""
+    rod, its stiffness [N m/rad], and the angle between the links in which it is at rest [rad]."""
 
     size: Expr
     stiffness: Expr
+    rest: Expr = S.Zero
+
+    def bend(self, before: Expr, after: Expr) -> Expr:
+        """Angle by which the spring is bent between links at these angles [rad]."""
+        return after - before - self.rest
 
 
 @dataclass(frozen=True)
@@ -74,12 +80,13 @@ class Rod:
 
     def joint(self, at: Expr | int, size: int = 1) -> Joint:
         """The spring in a joint."""
-        return Joint(sympify(size), self.stiffness(at, size))
+        rests = size and "rest" in self.nonuniform
+        return Joint(sympify(size), self.stiffness(at, size), rest_angle[at] if rests else S.Zero)
 
     @property
     def has_link_masses(self) -> bool:
         """Whether links differ in their mass."""
-        return not {"mass", "bodies", "points"}.isdisjoint(self.nonuniform)
+        return not rows.MASS_WAYS.isdisjoint(self.nonuniform)
 
     @property
     def has_offset_mass(self) -> bool:

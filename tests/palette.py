@@ -160,7 +160,10 @@ def can_move(boundary: str, links: int, *_: object) -> bool:
 
 
 # What may differ along a rod.
-NONUNIFORM = (("stiffness",), ("mass",), ("bodies",), ("points",), ("stiffness", "bodies"))
+NONUNIFORM = (
+    *(("stiffness",), ("mass",), ("bodies",), ("points",), ("stiffness", "bodies")),
+    *(("rest",), ("stiffness", "mass", "rest")),
+)
 
 
 def carries(boundary: str, links: int, inertia: str, *rest: Any) -> bool:

@@ -13,7 +13,7 @@ from ..closed_form import Arithmetic, ClosedForm, link_masses, link_sizes
 from ..comparison import ANY_N, Comparison, DisagreementError
 from ..general import GeneralEquations
 from ..generic_chain import AtSprings
-from ..link_properties import joint_stiffness
+from ..link_properties import joint_stiffness, rest_angle
 from ..loads import TERMS
 from ..loads.joint_drag import JointDrag, JointMotion, divisor, length_at, mass_at, rod_angle
 from ..loads.kinds import JointMoment, Load
@@ -59,7 +59,7 @@ def prove_any_n(
     lumped = inertia == "lumped"
     links = link_masses(nonuniform, PARAMETERS.__getitem__, lumped, HALF)
     sizes = (n, m, l, k, phi, derived.boundary_condition, SYMBOLIC, lumped, differing, links)
-    closed = ClosedForm(*sizes)
+    closed = ClosedForm(*sizes, rest_angle if "rest" in nonuniform else None)
     for name, pairs in _matrices(derived, closed).items():
         yield _compare(name, pairs)
     for load in derived.loads.values():
@@ -87,7 +87,10 @@ def _matrices(derived: GeneralEquations, closed: ClosedForm) -> dict[str, Pairs]
         M.append((derived.mass_base, closed.M_base()))
         M += zip(derived.mass_base_link, closed.M_base_link(i), strict=True)
         Q += zip(derived.velocity_base_link, closed.Q_base_link(i), strict=True)
-    K = _bending_pairs(derived, derived.springs, phi, closed, closed.spring_stiffness, ALPHA)
+    K = _bending_pairs(
+        *(derived, derived.springs, phi, closed),
+        *(closed.spring_stiffness, ALPHA, closed.rest_moment),
+    )
     steps: Pairs = []
     by_hand = (*closed.joint_step(i), *closed.velocity_step(i, omega[i]))
     for quantity, hand in zip((joint_x, joint_y, joint_vx, joint_vy), by_hand, strict=True):
@@ -126,10 +129,12 @@ def _bending_pairs(
     closed: ClosedForm,
     factor: Callable[[Any, int], Any],
     clamp: Expr,
+    rest: Callable[[Any, int], Any] = lambda at, size: 0,
 ) -> Pairs:
     """Pairs of the moment of the joints at its ends on a link and its row of K or D_i: for a link
     inside, for the first of all, and for the last. factor: coefficient of a joint of a size in the
-    closed form; clamp: angle or rate before the first link and behind the last."""
+    closed form; clamp: angle or rate before the first link and behind the last; rest: moment of a
+    joint of a size where it is not bent."""
     pairs = []
     inner, root, tail = moments
     places = {"inside": (1, 1), "tail": (1, closed.tail_size), "start": (closed.root_size, 1)}
@@ -147,6 +152,7 @@ def _bending_pairs(
         first = Integer(0) if where == "start" else i
         row = closed.bending_row(factor(first, ends[0]), factor(i + 1, ends[1]))
         by_hand = sum(c * at for c, at in zip(row, links, strict=True))
+        by_hand -= rest(first, ends[0]) - rest(i + 1, ends[1])
         pairs.append((work.xreplace(acting), -by_hand))
     return pairs
 

@@ -58,6 +58,8 @@ def prove_explicit(
     yield compare(
         "K", derived.stiffness_matrix, [_merge_columns(row, derived.bent) for row in closed.K()]
     )
+    if "rest" in nonuniform:
+        yield compare("r", [[e] for e in derived.rest_moments], [[e] for e in closed.rest()])
     yield _compare_joints(derived, GeneralEquations(boundary, inertia, ()))
     value = _Value(derived)
     for term, load in loads_of(terms).items():
@@ -100,19 +102,21 @@ def _closed_form(derived: ExplicitDerivation) -> ClosedForm:
     boundary_condition = BOUNDARIES[derived.boundary]
     sizes = (poly(m), poly(l), poly(k))
     lumped = derived.inertia == "lumped"
-    joints = zip(
-        boundary_condition.spring_joints(derived.n),
-        (poly(one.stiffness) for one in derived.joints),
-        strict=True,
+    joints = dict(zip(boundary_condition.spring_joints(derived.n), derived.joints, strict=True))
+    differing, rest = (
+        {at: poly(getattr(one, what)) for at, one in joints.items()}
+        if what in derived.nonuniform
+        else None
+        for what in ("stiffness", "rest")
     )
-    differing = dict(joints) if "stiffness" in derived.nonuniform else None
 
     def of_links(name: str) -> dict[int, PolyElement]:
         return {q: calculus.generator[PARAMETERS[name][q]] for q in range(derived.n)}
 
     links = link_masses(derived.nonuniform, of_links, lumped, poly(HALF))
     return ClosedForm(
-        derived.n, *sizes, known, boundary_condition, polynomials, lumped, differing, links
+        *(derived.n, *sizes, known, boundary_condition, polynomials, lumped),
+        *(differing, links, rest),
     )
 
 

@@ -1,7 +1,7 @@
 """Derivation 3 compared with derivation 1: accelerations at a random rational point, exactly.
 
 The system of joint forces is solved in rational numbers, and its accelerations are put into M v' =
-Q omega^2 - K phi + loads of derivation 1: the residual must be zero.
+Q omega^2 - K phi + rest + loads of derivation 1: the residual must be zero.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ from ..explicit import ExplicitDerivation
 from ..general import GeneralEquations
 from ..joint_force_system import joint_system
 from ..joint_system import BlockSystem, alpha, link_moment
-from ..link_properties import joint_stiffness, link_parameters
+from ..link_properties import joint_stiffness, link_parameters, rest_angle
 from ..loads import TERMS
 from ..polynomials import TIME
 from ..symbols import ALPHA, PARAMETERS, Array, i, k, l, m, n, omega, phi
@@ -65,6 +65,8 @@ class _Point:
         self.values |= {n: links, ALPHA: clamp, phi: angles, omega: rates}
         if "stiffness" in equations.nonuniform:
             self.values[joint_stiffness] = [self._number() for _ in range(links + 1)]
+        if "rest" in equations.nonuniform:
+            self.values[rest_angle] = [self._number() for _ in range(links + 1)]
         for name in link_parameters(equations.nonuniform):
             share = Fraction(name == "link_centre_along", 31)  # of what may be 30, to stay below 1
             self.values[PARAMETERS[name]] = [self._number() * (share or 1) for _ in range(links)]
@@ -146,7 +148,7 @@ class _Point:
         for row, name in enumerate(one.coordinates):
             total = self._dot(one.mass_matrix[row], accelerations)
             total -= self._dot(one.velocity_matrix[row], [w * w for w in moving])
-            total += self._dot(one.stiffness_matrix[row], bent)
+            total += self._dot(one.stiffness_matrix[row], bent) - self._value(one.rest_moments[row])
             yield str(name), total - sum(self._value(load[row]) for load in loads)
 
     def _dot(self, row: Sequence[PolyElement], numbers: Sequence[Fraction]) -> Fraction:

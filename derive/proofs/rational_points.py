@@ -18,7 +18,7 @@ from ..closed_form import Arithmetic, ClosedForm, link_masses
 from ..comparison import POINTS, Comparison, DisagreementError
 from ..general import GeneralEquations
 from ..generic_chain import AtSprings
-from ..link_properties import joint_stiffness, link_parameters
+from ..link_properties import joint_stiffness, link_parameters, rest_angle
 from ..loads import TERMS
 from ..loads.kinds import JointMoment, Load
 from ..symbols import ALPHA, PARAMETERS, i, j, joint_moment, k, l, later, m, n, omega, phi, s
@@ -73,15 +73,17 @@ class _Points:
         self.values |= {x: self.draw.choice(palette) for x in sorted(angles, key=str)}
         sizes = (self.values[m], self.values[l], self.values[k])
         lumped = derived.inertia == "lumped"
-        differing = None
-        if "stiffness" in derived.nonuniform:
-            differing = self.values[joint_stiffness] = [self._rational() for _ in range(links + 1)]
+        of_joints = []
+        for what, base in (("stiffness", joint_stiffness), ("rest", rest_angle)):
+            found = [self._rational() for _ in range(links + 1)]
+            of_joints.append(found if what in derived.nonuniform else None)
+            self.values[base] = found
         for name in link_parameters(derived.nonuniform):
             self.values[PARAMETERS[name]] = [self._rational() for _ in range(links)]
         of = {str(base): values for base, values in self.values.items()}.__getitem__
         masses = link_masses(derived.nonuniform, of, lumped, EXACT.half)
         of_rod = (links, *sizes, directions, derived.boundary_condition, EXACT)
-        self.closed = ClosedForm(*of_rod, lumped, differing, masses)
+        self.closed = ClosedForm(*of_rod, lumped, of_joints[0], masses, of_joints[1])
         moving = self.closed.links
         self.rows = sorted(
             {*self.draw.sample(moving, min(len(moving), ROWS)), moving[-1], moving[0]}
@@ -110,6 +112,8 @@ class _Points:
             stiffness = closed.spring_stiffness
             entries = self._bending_entries(derived.springs, phi, stiffness, ALPHA)
             yield self._compare_entries("K", entries)
+            if "rest" in derived.nonuniform:
+                yield self._compare_entries("r", self._rest_entries())
         for load in derived.loads.values():
             if isinstance(load, JointMoment):
                 if joined:
@@ -183,15 +187,10 @@ class _Points:
         """Coefficients of the three links that bend a link, from the moments at its ends; factor:
         coefficient of a joint of a size in the closed form; clamp: angle before the first link and
         behind the last, unless it is zero."""
-        inner, root, tail = moments
         last = self.closed.n - 1
-        work = self.derived.link_moment.subs(n, self.closed.n)
         for a in self.rows:
-            start = inner.subs(s, i) if a else root.xreplace({of[0]: of[i]})
-            here = work.subs({Eq(i, at): at == a for at in (0, last)})
-            end = inner.subs(s, i + 1) if a < last else tail.subs(n, i + 1)
-            here = here.xreplace({joint_moment[i]: start, joint_moment[i + 1]: end})
-            ends = 1 if a else self.closed.root_size, 1 if a < last else self.closed.tail_size
+            here = self._moment_on_link(a, moments, of)
+            ends = self.closed.joint_sizes(a)
             row = self.closed.bending_row(factor(a, ends[0]), factor(a + 1, ends[1]))
             behind = clamp if a == last and self.closed.tail_size else of[i + 1]
             neighbours = (of[i - 1] if a else clamp, of[i], behind)
@@ -201,3 +200,22 @@ class _Points:
             for neighbour, hand in by_hand.items():
                 if neighbour is not None:
                     yield f"phi_{a},{neighbour}", -here.diff(neighbour), {i: a}, hand
+
+    def _moment_on_link(self, a: int, moments: AtSprings, of: IndexedBase) -> Expr:
+        """Moment on link a of the joints at its ends, with i for its number."""
+        inner, root, tail = moments
+        last = self.closed.n - 1
+        work = self.derived.link_moment.subs(n, self.closed.n)
+        start = inner.subs(s, i) if a else root.xreplace({of[0]: of[i]})
+        here = work.subs({Eq(i, at): at == a for at in (0, last)})
+        end = inner.subs(s, i + 1) if a < last else tail.subs(n, i + 1)
+        return here.xreplace({joint_moment[i]: start, joint_moment[i + 1]: end})
+
+    def _rest_entries(self) -> Iterator[Entry]:
+        """Moments on links where all angles are zero."""
+        by_hand = self.closed.rest()[2 * self.derived.boundary_condition.translates :]
+        for a in self.rows:
+            here = self._moment_on_link(a, self.derived.springs, phi)
+            angles = dict.fromkeys((phi[i - 1], phi[i], phi[i + 1], ALPHA), 0)
+            hand = by_hand[a - self.closed.links[0]]
+            yield f"phi_{a}", here.xreplace(angles), {i: a}, hand

@@ -192,6 +192,15 @@ def test_frozen_in_an_equilibrium_modes_are_those_about_it() -> None:
         np.testing.assert_allclose(one, np.sign((one * other).sum()) * other, atol=1e-6)
 
 
+def test_a_pair_that_grows_is_one_mode_about_any_shape() -> None:
+    """Beck's column beyond its critical load, upright as at its start."""
+    scene = rod(4, "clamped", {"follower": {"force": 120.0}})
+    found, wanted = natural_modes(scene, 2, frozen=True), natural_modes(scene, 2)
+    assert wanted.growth.max() > 0.1
+    assert found.frequencies == pytest.approx(wanted.frequencies, rel=1e-9)
+    assert sorted(found.growth) == pytest.approx(sorted(wanted.growth), rel=1e-9)
+
+
 def test_frozen_after_a_run() -> None:
     """In the shape that the rod has come to, whatever its speed: those of a start in that shape."""
     scene = rod(3, "free", {"gravity": {}}, initial={"phi": "0.3*s", "velocity": [3.0, -1.0]})

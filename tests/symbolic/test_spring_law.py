@@ -51,7 +51,7 @@ def test_moments_are_the_derivatives_of_the_energy(text: str, boundary: str) -> 
         + [boundary_condition.tail] * bool(boundary_condition.tail)
     )
     springs = zip(sizes, pairwise(bent), strict=True)
-    energy = Add(*(spring_potential(*ends, size * k, law) for size, ends in springs))
+    energy = Add(*(spring_potential(b - a, size * k, law) for size, (a, b) in springs))
     on_after = [derived.springs.root.xreplace({phi[0]: angles[0]})]
     for a, b in pairwise(angles):
         on_after.append(derived.springs.inner.xreplace({phi[s - 1]: a, phi[s]: b}))

@@ -16,7 +16,7 @@ from rodgen.arrays import Array
 from rodgen.integrate.quantity_formulas import MotionSlice
 from rodgen.integrate.stepper import Counts
 from rodgen.model.quantities import Index, find_quantity
-from rodgen.model.rod import MASS_PER_LENGTH, ROD
+from rodgen.model.rod import MASS_PER_LENGTH, REST_CURVATURE, ROD
 from rodgen.model.term import JOINTS, typeset
 from rodgen.model.terms import EMPTYING, PARAMETERS, TERMS, describe
 from rodgen.scene import Scene, spring_law
@@ -173,7 +173,7 @@ def _rod(now: RunStatus) -> Iterator[TextRow]:
         if parameter.name in scene.structure.parameters:
             yield _parameter(now, parameter.name)
     laws = scene.distribution.nonuniform_values
-    for one in (*ROD, MASS_PER_LENGTH):
+    for one in (*ROD, MASS_PER_LENGTH, REST_CURVATURE):
         if isinstance(law := laws.get(one.key), str):
             yield _row(f"{one.name}_law", "", "", f"{one.label} = {law} {one.display_unit}")
     if scene.bodies:

@@ -55,7 +55,7 @@ def find_equilibrium(
         rest, stages = _find_rest(rod, p, bend)
     except AnalysisError as error:
         try:
-            rod.unknowns_at_rest(rod.straight_angles)
+            rod.unknowns_at_rest(rod.unloaded_angles)
         except AnalysisError as restless:
             raise AnalysisError(f"{error}; {restless}") from None
         raise
@@ -82,7 +82,7 @@ def _find_rest(rod: SteadyRod, p: Array, bend: float) -> tuple[Iterate, tuple[fl
     if _is_hanging(rod, p):
         return _hang_and_load(rod, p)
     try:
-        return _load_straight_rod(rod, p, bend)
+        return _load_from_rest_shape(rod, p, bend)
     except FoldError:
         raise
     except AnalysisError:
@@ -157,17 +157,19 @@ def _check_resultant(rod: SteadyRod, rest: Iterate, p: Array) -> None:
             )
 
 
-def _load_straight_rod(rod: SteadyRod, p: Array, bend: float) -> tuple[Iterate, tuple[float, ...]]:
+def _load_from_rest_shape(
+    rod: SteadyRod, p: Array, bend: float
+) -> tuple[Iterate, tuple[float, ...]]:
     """Follow the branch that begins with the unloaded rod: straight, or bent. Moments keep its
     shape (of springs at rest none, where it is straight) while the load grows; they are taken away
     under the whole load."""
     growing = _load_ramp(p, (place for place, _ in _growing_parameters(rod)))
-    straight = rod.unknowns_at_rest(rod.straight_angles, strict=False)
-    rest = Iterate(_bend_rod(rod, straight, growing(0.0), bend))
+    unloaded = rod.unknowns_at_rest(rod.unloaded_angles, strict=False)
+    rest = Iterate(_bend_rod(rod, unloaded, growing(0.0), bend))
     moments = Loading(growing(0.0)).equations(rod, rest).residual
     if not moments.any():
         return step_to_equilibrium(rod, rest, lambda done: Loading(growing(done)))
-    way = "the way back to a rod that is straight without load"
+    way = "the way to a rod without the moments that first held it in shape"
     try:
         rest, stages = step_to_equilibrium(rod, rest, lambda done: Loading(growing(done), moments))
         rest, _ = step_to_equilibrium(rod, rest, lambda done: Loading(p, (1 - done) * moments), way)
@@ -221,7 +223,7 @@ def _hang(rod: SteadyRod, p: Array) -> Iterate:
 def _dead_load(rod: SteadyRod, p: Array) -> Array:
     """Sum of the dead loads on the straight rod (2,) [N]. Raises AnalysisError where there are
     none."""
-    y = rod.state_at_rest(rod.unknowns_at_rest(rod.straight_angles, strict=False))
+    y = rod.state_at_rest(rod.unknowns_at_rest(rod.unloaded_angles, strict=False))
     acting = rod.model.forces(rod.t, y, p)
     places, pull = rod.scene.structure.slices, np.zeros(2)
     for term in map(TERMS.__getitem__, rod.scene.loads.terms):

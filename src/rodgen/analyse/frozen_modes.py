@@ -21,7 +21,7 @@ def select_modes(s: Complex, count: int) -> tuple[NDArray[Any], NDArray[Any]]:
     """Flags of eigenvalues that oscillate before they have died away; numbers of the lowest
     ``count`` of them and of all that grow, by frequency."""
     moves = s.imag > np.maximum(STILL * np.abs(s), -GONE * s.real)
-    grows = s.real > STILL * np.abs(s)
+    grows = (s.real > STILL * np.abs(s)) & (s.imag >= 0)  # a pair once
     kept = np.flatnonzero(moves | grows)
     kept = kept[np.argsort(s[kept].imag, kind="stable")]
     return moves, kept[(np.arange(len(kept)) < count) | grows[kept]]

@@ -147,7 +147,8 @@ class Equilibrium(StateResult, Plottable):
 def static_equilibrium(
     system: System | Scene, *, t: float | None = None, imperfection: float | None = None
 ) -> Equilibrium:
-    """Return the equilibrium that a straight rod reaches as its loads grow from zero.
+    """Return the equilibrium that a rod reaches as its loads grow from zero: from straight, or from
+    the shape of `rest_curvature`.
 
     A pinned rod hangs from its pivot. A free rod rests where [[supports]], a [foundation] or loads
     that follow its place hold it. In a direction in which nothing holds it, it stays at its start.
@@ -224,7 +225,7 @@ def equilibrium_of(
 def _check_support(rod: SteadyRod, p: Array) -> None:
     """Raise InputError for a free rod that nothing holds in place."""
     follows = rod.has_supports or rod.has_feedback  # else it need not be found out
-    start = rod.unknowns_at_rest(rod.straight_angles, strict=False)
+    start = rod.unknowns_at_rest(rod.unloaded_angles, strict=False)
     if not follows or len(free_directions(rod, start, p)) == rod.n_base:
         allowed = "clamped, cantilever or pinned: nothing holds a free rod in place without "
         allowed += "[[supports]], [foundation] or loads that follow its place"

@@ -23,9 +23,11 @@ from rodgen.model.term import ANCHOR
 from rodgen.model.terms import TERMS
 from rodgen.result import Result, Row, omit_from_tables
 from rodgen.scene import Scene
+from rodgen.scene.distribution import shape_without_load
 from rodgen.scene.plain_tables import is_number, to_plain
 from rodgen.system import System
 
+STRAIGHT = 1e-12  # rad
 ITERATIONS, STILL = 50, 1e-9  # of added states that come to rest
 ROUNDING = 1e-9  # of the speed, below which a part of it is none
 
@@ -154,7 +156,7 @@ class SteadyRod(HasInstant):
             return 0.0, 0.0
         start = MotionSlice(self.model, self.system.p, self.system.y0)
         moving: Array = start.values("centre_velocity")
-        return split_velocity(moving, float(self.straight_angles[0]))
+        return split_velocity(moving, float(self.unloaded_angles[0]))
 
     @cached_property
     def has_supports(self) -> bool:
@@ -210,9 +212,10 @@ class SteadyRod(HasInstant):
             return at
 
     @cached_property
-    def straight_unknowns(self) -> Unknowns:
-        """Unknowns of the straight rod, with added states at rest. Raises AnalysisError."""
-        return self.unknowns_at_rest(self.straight_angles)
+    def unloaded_unknowns(self) -> Unknowns:
+        """Unknowns of the rod in its shape without load, with added states at rest. Raises
+        AnalysisError."""
+        return self.unknowns_at_rest(self.unloaded_angles)
 
     def state_at_rest(self, at: Unknowns) -> Array:
         """State y (states,) without velocities."""
@@ -239,11 +242,11 @@ class SteadyRod(HasInstant):
         raise AnalysisError(f"{names} do not come to rest beside a rod that does not move")
 
     def state_in_flight(self, at: Unknowns, across: float = 0.0) -> Array:
-        """State y (states,) of a rod that moves along its straight axis with its speed, and across
-        it [m/s]."""
+        """State y (states,) of a rod that moves along its axis, that of its first link, with its
+        speed, and across it [m/s]."""
         y = self.state_at_rest(at)
         if self.n_base:
-            c, s = np.cos(self.straight_angles[0]), np.sin(self.straight_angles[0])
+            c, s = np.cos(self.unloaded_angles[0]), np.sin(self.unloaded_angles[0])
             half = self.n_base + self.n_moving
             y[half : half + 2] = -self.speed * c - across * s, -self.speed * s + across * c
         return y
@@ -254,13 +257,24 @@ class SteadyRod(HasInstant):
         return self.system.boundary_condition.is_clamped
 
     @cached_property
-    def straight_angles(self) -> Array:
-        """Angles (n_moving,) of the straight rod: along the clamp, or at the mean initial angle."""
+    def unloaded_angles(self) -> Array:
+        """Angles (n_moving,) of the rod without load, which is straight or as it is bent at rest:
+        from the clamp on, or with the mean of the initial angles."""
+        shape = self._rest_shape
         if self.is_clamped:
-            return np.full(self.n_moving, self._clamp_angle)
-        return np.full(
-            self.n_moving, self.system.y0[self.n_base : self.n_base + self.n_moving].mean()
-        )
+            return shape + self._clamp_angle
+        mean: float = (self.system.y0[self.n_base : self.n_base + self.n_moving] - shape).mean()
+        return shape + mean
+
+    @property
+    def _rest_shape(self) -> Array:
+        """Angles (n_moving,) of the rod without load over that at its start."""
+        return shape_without_load(self.system.structure, self.system.p)
+
+    @cached_property
+    def is_straight(self) -> bool:
+        """Whether the rod without load is straight."""
+        return bool(np.ptp(self._rest_shape) <= STRAIGHT)
 
     @property
     def _clamp_angle(self) -> float:

@@ -12,7 +12,7 @@ import scipy
 from rodgen.analyse.equilibrium_equations import free_directions
 from rodgen.analyse.equilibrium_search import find_equilibrium
 from rodgen.analyse.pencil import BlockPencil, DensePencil, ImplicitBlocks, joint_forces, product
-from rodgen.analyse.steady_rod import SteadyRod, Unknowns
+from rodgen.analyse.steady_rod import STRAIGHT, SteadyRod, Unknowns
 from rodgen.arrays import Array
 from rodgen.errors import AnalysisError
 from rodgen.model.term import DRAG
@@ -20,7 +20,7 @@ from rodgen.model.terms import TERMS
 from rodgen.result import Note, doubt, remarks
 
 STEADY = 1e-9  # of the accelerations that the joint forces would cause: rounding
-STRAIGHT = 1e-12  # rad
+ROUNDING = 2.0**-48  # of angles, relative to them: that of a shape at rest
 AT_REST = 2.0**-100  # m/s; a power of 2 rounds nothing
 TURNS = "phi", "omega"  # sensors of a link, not of a place
 ASKEW = 5.0  # degrees between the velocity and the axis, up to which a rod flies along it
@@ -52,7 +52,12 @@ class SteadyState:
     @property
     def is_straight(self) -> bool:
         """Whether all links have the direction of the clamp, or one and the same."""
-        return bool(np.abs(self.phi - self.rod.straight_angles).max() <= STRAIGHT)
+        return self.rod.is_straight and self.has_rest_shape
+
+    @property
+    def has_rest_shape(self) -> bool:
+        """Whether the rod has the shape that it has without load."""
+        return bool(np.abs(self.phi - self.rod.unloaded_angles).max() <= STRAIGHT)
 
     @property
     def has_kink(self) -> bool:
@@ -69,14 +74,19 @@ class SteadyState:
         """Description of the state for a reader."""
         if self.rod.has_supports or not self.rod.n_base:
             if self._is_driven:
-                return "straight, steadily accelerating"
-            return "straight, at rest" if self.is_straight else "static equilibrium"
+                return f"{self._shape}, steadily accelerating"
+            return f"{self._shape}, at rest" if self.has_rest_shape else "static equilibrium"
         _, force = joint_forces(replace(self.rod, speed=0.0), self.at, self.p)
         pushed, speed = np.abs(force).max(initial=0.0) > 0, self.rod.speed
         if not speed:
-            return f"straight, {'steadily accelerating' if pushed else 'at rest or falling freely'}"
+            moves = "steadily accelerating" if pushed else "at rest or falling freely"
+            return f"{self._shape}, {moves}"
         flies = f"flying at {abs(speed):.6g} m/s{' tail first' * (speed < 0)}"
-        return f"straight, {flies}{' and accelerating' * bool(pushed)}"
+        return f"{self._shape}, {flies}{' and accelerating' * bool(pushed)}"
+
+    @property
+    def _shape(self) -> str:
+        return "straight" if self.rod.is_straight else "bent as without load"
 
     @property
     def _is_driven(self) -> bool:
@@ -201,8 +211,9 @@ class SteadyState:
                 moving[half : half + 2] = AT_REST * axis
                 along = rod.model.jac(rod.t, moving, self.p)[:, half : half + 2] @ axis
                 J[:, half : half + 2] += np.outer(along - J[:, half : half + 2] @ axis, axis)
-        whole = whole or rod.has_supports
-        if not rod.has_supports and (has_drag(rod) or not rod.has_feedback):
+        bent = has_drag(rod) and not self.is_straight
+        whole = whole or rod.has_supports or bent
+        if not (rod.has_supports or bent) and (has_drag(rod) or not rod.has_feedback):
             ways = across
         elif base and not (whole or self._has_joint_sensors):
             inner = mass[base:, :base] @ np.linalg.solve(mass[:base, :base], mass[:base, base:])
@@ -248,29 +259,39 @@ def find_steady_state(
     Raises AnalysisError where there is none.
     """
     p = rod.system.p if p is None else p
-    found, turning = straight_state(rod, p)
+    found, turning = unloaded_state(rod, p)
     if found is not None:
         return found
     if rod.scene.boundary_condition.translates and not rod.has_supports:
         raise AnalysisError(
-            "the free rod has no steady state to linearise about: straight and at rest, its links "
-            f"turn with {turning:.3g} rad/s^2 (a load along the rod, or gravity "
-            "alone, leaves it straight)"
+            "the free rod has no steady state to linearise about: in its shape without load, its "
+            f"links turn with {turning:.3g} rad/s^2 (a load along a straight rod, or gravity "
+            "alone, leaves it so)"
         )
     rest, _ = find_equilibrium(rod, p, start.at if start else None)
     return SteadyState(rod, rest.at, p)
 
 
-def straight_state(rod: SteadyRod, p: Array) -> tuple[SteadyState | None, float]:
-    """Return the straight steady state under parameters p, None where the rod does not stay
-    straight, and the largest angular acceleration of its links [rad/s^2]."""
-    at = rod.straight_unknowns
+def unloaded_state(rod: SteadyRod, p: Array) -> tuple[SteadyState | None, float]:
+    """Return the steady state under parameters p in the shape without load, None where the rod does
+    not keep that, and the largest angular acceleration of its links [rad/s^2]."""
+    at = rod.unloaded_unknowns
     turning, force = joint_forces(rod, at, p)
     scale = np.abs(force).max(initial=0.0) * rod.scene.rod.links / rod.scene.rod.length
     largest = float(np.abs(turning).max())
-    if largest <= STEADY * scale and _is_joint_at_rest(rod, at, p):
+    most = STEADY * scale + _turning_by_rounding(rod, at, p)
+    if largest <= most and _is_joint_at_rest(rod, at, p):
         return SteadyState(rod, at._replace(force=force), p), largest
     return None, largest
+
+
+def _turning_by_rounding(rod: SteadyRod, at: Unknowns, p: Array) -> float:
+    """Angular acceleration by what is rounded of the angles of springs that are bent at rest
+    [rad/s^2]; springs of a straight rod have none."""
+    if rod.is_straight:
+        return 0.0
+    resisting = np.abs(ImplicitBlocks.at(rod, at, p).by_angle[..., 0]).sum(axis=0).max()
+    return float(ROUNDING * resisting * np.abs(at.phi).max())
 
 
 def _is_joint_at_rest(rod: SteadyRod, at: Unknowns, p: Array) -> bool:

@@ -110,7 +110,7 @@ def hanging_shape(rod: SteadyRod, p: Array, pull: Array) -> Array:
     held = springs.stiffness.all(axis=-1)
     at, points = (springs.links + springs.share)[held], springs.fixed[held]
     if not rod.n_base:  # held at its start too
-        start = rod.model.joints(rod.state_at_rest(rod.start_unknowns(rod.straight_angles)), p)[0]
+        start = rod.model.joints(rod.state_at_rest(rod.start_unknowns(rod.unloaded_angles)), p)[0]
         at, points = np.append(0.0, at), np.vstack((start, points))
     order = np.argsort(at)
     middles = np.arange(rod.scene.rod.links) + 0.5

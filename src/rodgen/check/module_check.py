@@ -22,8 +22,8 @@ from rodgen.loading.generated_module import call_module, structure_of
 from rodgen.memory import check_memory
 from rodgen.progress import report_stage
 from rodgen.result import Result, Row
-from rodgen.scene.distribution import link_parameters_at
 from rodgen.scene.law import cell_means, gauss_points
+from rodgen.scene.link_parts import link_parameters_at
 
 DIGITS = 50
 DRAWS = 100  # of parameters, until loads are finite

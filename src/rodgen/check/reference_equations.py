@@ -71,8 +71,10 @@ class ReferenceEquations:
         M, L = number["mass"], number["length"]
         self.m, self.l, self.k = link_sizes(M, L, number.get("bending_stiffness", mpf(0)), self.n)
         joints = boundary.spring_joints(self.n)
-        differing = number.get("joint_stiffness")
-        stiffness = None if differing is None else dict(zip(joints, differing, strict=True))
+        stiffness, rest = (
+            dict(zip(joints, number[name], strict=True)) if name in number else None
+            for name in ("joint_stiffness", "rest_angle")
+        )
         added = getattr(module, "STATES", {})
         half, base = (len(y) - len(added)) // 2, 2 * boundary.translates
         q, u, z = ([mpmathify(v) for v in part] for part in np.split(y, [half, 2 * half]))
@@ -88,8 +90,9 @@ class ReferenceEquations:
         sizes = self.n, self.m, self.l, self.k, self.phi
         half, nonuniform = FIFTY_DIGITS.half, getattr(module, "NONUNIFORM", ())
         links = link_masses(nonuniform, number.__getitem__, self.lumped, half)
-        self.closed = ClosedForm(*sizes, boundary, FIFTY_DIGITS, self.lumped, stiffness, links)
-        # Every angle that a spring knows, with the stiffness between it and the next.
+        how = boundary, FIFTY_DIGITS, self.lumped
+        self.closed = ClosedForm(*sizes, *how, stiffness, links, rest)
+        # Every angle that a spring knows; stiffness and rest angle between it and the next.
         root, tail = (
             [size] if size else [] for size in (self.closed.root_size, self.closed.tail_size)
         )
@@ -97,6 +100,7 @@ class ReferenceEquations:
         self.bent = clamp * len(root) + self.phi + clamp * len(tail)
         inner = (*root, *[1] * (self.n - 1), *tail)
         self.stiffness = list(map(self.closed.spring_stiffness, joints, inner))
+        self.rest = [mpf(0)] * len(joints) if rest is None else list(rest.values())
 
     def rhs(self) -> list[Any]:
         closed, moving = self.closed, self.omega[self.boundary.first :]
@@ -315,9 +319,9 @@ class ReferenceEquations:
         return moments
 
     def _springs(self) -> list[tuple[Any, Any]]:
-        """Stiffness and angle of every spring."""
-        bends = (b - a for a, b in pairwise(self.bent))
-        return list(zip(self.stiffness, bends, strict=True))
+        """Stiffness of every spring, and the angle by which it is bent."""
+        ends = zip(pairwise(self.bent), self.rest, strict=True)
+        return list(zip(self.stiffness, (b - a - rest for (a, b), rest in ends), strict=True))
 
     @cached_property
     def _spring_law(self) -> Any:

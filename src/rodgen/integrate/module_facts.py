@@ -107,8 +107,8 @@ class ModuleFacts:
 
     def time_laws(self, span: Sequence[float], p: Array) -> TimeLaws:
         """Laws in time of one rod within a span [s]. Raises InputError."""
-        values, stiffness = self._values(p), self._spring_stiffness(p)
-        return TimeLaws.from_structure(self.structure, values, span[0], span[1], stiffness)
+        values, springs = self._values(p), self._springs(p)
+        return TimeLaws.from_structure(self.structure, values, span[0], span[1], springs)
 
     def _values(self, p: Array) -> dict[str, Any]:
         """Numbers and tables in its expressions for one rod, by name."""
@@ -121,17 +121,21 @@ class ModuleFacts:
         values, loads = self._values(p), self.structure.open_expressions.items()
         return {name: e.with_values(values) for name, e in loads if not e.signals}
 
-    def _spring_stiffness(self, p: Array) -> tuple[float, ...]:
-        """Stiffness of the springs, of a uniform rod by EI; none where their law is smooth."""
+    def _springs(self, p: Array) -> tuple[tuple[float, ...], tuple[float, ...]]:
+        """Stiffness of the springs, of a uniform rod by EI, and their rest angles; none where their
+        law is smooth."""
         if not self._has_spring_corners:
-            return ()
+            return (), ()
         of, places = self.structure, self.structure.slices
+        rest = tuple(p[places["rest_angle"]].tolist()) if "rest_angle" in places else None
         if "joint_stiffness" in places:
-            return tuple(p[places["joint_stiffness"]].tolist())
+            stiffness = tuple(p[places["joint_stiffness"]].tolist())
+            return stiffness, rest or (0.0,) * len(stiffness)
         given: dict[str, Any] = {"links": of.n_links, "mass": 1.0, "boundary": of.boundary}
         given |= {name: float(p[places[name].start]) for name in ("length", "bending_stiffness")}
         rod = RodTable(**given)
-        return tuple(Distribution(rod, [], (), 0.0).joint_stiffness)
+        stiffness = tuple(Distribution(rod, [], (), 0.0).joint_stiffness)
+        return stiffness, rest or (0.0,) * len(stiffness)
 
     def find_stretches(
         self, settings: IntegrationTable, p: Array, rods: int

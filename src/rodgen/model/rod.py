@@ -20,6 +20,8 @@ MASS_PER_LENGTH = Parameter("mass_per_length", "mass_per_length", "mass per leng
     "instead of the mass []", rule=POSITIVE, decades=True)
 SPRING = Parameter("spring", "spring", "moment of a spring", "", "N m",
     "by its stiffness k and the angle d that bends it []")
+REST_CURVATURE = Parameter("rest_curvature", "rest_curvature", "curvature at rest", "", "1/m",
+    "to the left, of the rod that no load acts on []")
 CLAMP_ANGLE = Parameter("clamp_angle", "clamp_angle", "clamp angle", "", "rad",
     "angle at which the start is held []", default=0.0)
 # fmt: on
@@ -190,14 +192,19 @@ STEADY = {one.name: _steady(one) for one in (LINK_MASS, *CENTRE, *SPREAD)}
 # fmt: off
 JOINT_STIFFNESS = Parameter("joint_stiffness", "bending_stiffness", "joint stiffness", "k",
     "N m/rad", "of the spring in each joint that has one []", rule=NOT_NEGATIVE, each=SPRINGS)
+REST_ANGLE = Parameter("rest_angle", REST_CURVATURE.key, "rest angle", "", "rad",
+    "between the links at each joint with a spring where that is not bent []", each=SPRINGS)
 NONUNIFORM = {
     "stiffness": Nonuniform((JOINT_STIFFNESS,), "stiffness that differs from joint to joint",
         instead=("bending_stiffness",)),
     "mass": Nonuniform((LINK_MASS,), "mass that differs from link to link"),
     "bodies": Nonuniform((LINK_MASS, *CENTRE, *SPREAD), "bodies fixed to its links"),
     "points": Nonuniform((LINK_MASS, CENTRE_ALONG), "point masses in its joints"),
+    "rest": Nonuniform((REST_ANGLE,), "springs that are at rest where it is bent"),
 }
 # fmt: on
+# Of these ways to differ a rod has one at most: how its mass lies.
+MASS_WAYS = {what for what, way in NONUNIFORM.items() if LINK_MASS in way.parameters}
 
 
 def _row(name: str, label: str, unit: str, rule: str = NOT_NEGATIVE) -> Parameter:

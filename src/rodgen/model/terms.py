@@ -12,7 +12,18 @@ from collections.abc import Iterable
 from functools import lru_cache
 
 from rodgen.model.palette import series_pair
-from rodgen.model.rod import BODY, CLAMP_ANGLE, FOUNDATION, NONUNIFORM, ROD, SHARE, STEADY, SUPPORT
+from rodgen.model.rod import (
+    BODY,
+    CLAMP_ANGLE,
+    FOUNDATION,
+    MASS_PER_LENGTH,
+    NONUNIFORM,
+    REST_CURVATURE,
+    ROD,
+    SHARE,
+    STEADY,
+    SUPPORT,
+)
 from rodgen.model.term import (
     ANCHOR,
     COUPLE,
@@ -213,8 +224,10 @@ PLACES: dict[str, tuple[str, ...]] = {
 }
 
 
-# What a scene fixes to a rod: the rows of its tables, and what one of several is called.
-FIXTURES: dict[str, tuple[tuple[Parameter, ...], str]] = {
+# Numbers of a scene that reach its module as others: rows, by table, and what one of several tables
+# is called.
+CONVERTED: dict[str, tuple[tuple[Parameter, ...], str]] = {
+    "rod": ((MASS_PER_LENGTH, REST_CURVATURE), ""),
     "bodies": (BODY, "body"),
     "foundation": (FOUNDATION, ""),
     "supports": (SUPPORT, "support"),
@@ -229,6 +242,7 @@ OTHER_LABELS = {
     "initial.velocity.0": "velocity along x at the start [m/s]",
     "initial.velocity.1": "velocity along y at the start [m/s]",
     "initial.phi": "angle at the start [rad]",
+    "initial.angle": "angle of link 0 at the start [rad]",
     "initial.omega": "rate of the angle at the start [rad/s]",
 }
 
@@ -258,6 +272,6 @@ def _find_row(key: str) -> tuple[Parameter | None, str]:
         if ".".join(path) == key:
             return PARAMETERS[name], ""
     table, *keys = key.split(".")
-    rows, called = FIXTURES.get(table, ((), ""))
+    rows, called = CONVERTED.get(table, ((), ""))
     of = f" of {called} {int(keys.pop(0)) + 1}" if called and keys and keys[0].isdigit() else ""
     return next((one for one in rows if one.key_path == tuple(keys)), None), of

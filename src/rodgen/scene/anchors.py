@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from rodgen.errors import InputError
 from rodgen.model.terms import TERMS
+from rodgen.scene.distribution import Distribution
 from rodgen.scene.expression import Numbers
 from rodgen.scene.law import Law
 from rodgen.scene.rod_points import link_and_share
@@ -46,13 +47,14 @@ class SupportPoint:
 @dataclass(frozen=True)
 class Anchors:
     """Supports and foundation of a rod. start: position of joint 0 [m]; numbers: values of the
-    names in expressions."""
+    names in expressions; turned: angle of link 0 of a rod without a clamp [rad]."""
 
     rod: RodTable
     supports: Sequence[SupportTable] = ()
     foundation: FoundationTable | None = None
     start: Sequence[float] = (0.0, 0.0)
     numbers: Numbers = ()
+    turned: float = 0.0
 
     def check(self) -> None:
         """Raise InputError for supports or a foundation that no module can have."""
@@ -85,14 +87,19 @@ class Anchors:
     @property
     def angle(self) -> float:
         """Angle of the straight rod [rad]."""
-        return float(self.rod.clamp_angle or 0.0)
+        return float(self.rod.clamp_angle or self.turned)
 
     def fixed_point(self, support: SupportTable) -> tuple[float, float]:
-        """Fixed point of a support [m]; by default where the straight rod has its point."""
+        """Fixed point of a support [m]; by default where the rod without load has its point."""
         if support.to is not None:
             return float(support.to[0]), float(support.to[1])
-        way = support.at * self.rod.length
-        return self.start[0] + way * cos(self.angle), self.start[1] + way * sin(self.angle)
+        n, shape = self.rod.links, Distribution(self.rod, numbers=self.numbers).rest_shape
+        angles = self.angle + np.concatenate(([0.0], shape))
+        straight, *turned = np.stack((np.cos(angles), np.sin(angles)), axis=-1)
+        way = self.rod.length / n * np.clip(support.at * n - np.arange(n), 0.0, 1.0)
+        # With what a bent rod has beside the straight one, to which rounding adds nothing.
+        point = support.at * self.rod.length * straight + way @ (turned - straight)
+        return float(self.start[0] + point[0]), float(self.start[1] + point[1])
 
     @property
     def support_points(self) -> list[SupportPoint]:

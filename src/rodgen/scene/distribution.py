@@ -7,25 +7,32 @@ lies on it, by five Gauss points, and the bodies that are fixed to it.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from rodgen.arrays import Array
-from rodgen.model.rod import NONUNIFORM, STEADY, changing_body_rows
+from rodgen.model.rod import (
+    JOINT_STIFFNESS,
+    NONUNIFORM,
+    REST_ANGLE,
+    REST_CURVATURE,
+    STEADY,
+    Boundary,
+)
 from rodgen.scene.expression import Expression, Numbers
-from rodgen.scene.law import GAUSS, Along, Law, cell_means, gauss_points
+from rodgen.scene.law import Along, Law, cell_means, gauss_points
+from rodgen.scene.link_parts import BodyOutline, LinkPart, combine
 from rodgen.scene.literals import mass_name
 from rodgen.scene.rod_points import link_and_share
 from rodgen.scene.structure import Structure
 from rodgen.scene.tables import SMALLEST, BodyTable, RodTable
 
 STIFFNESS, PER_LENGTH = "rod.bending_stiffness", "rod.mass_per_length"
-
-STEADY_NAMES = {one.name for one in STEADY.values()}
+CURVATURE = f"rod.{REST_CURVATURE.key}"
 
 
 @dataclass(frozen=True)
@@ -42,6 +49,8 @@ class Distribution:
         """Raise InputError for a stiffness or mass that is impossible at some time of the span."""
         links, per_length = self.rod.links, self._mass_per_length
         self._stiffness.check(links, links + 1)
+        if self._rest_curvature is not None:
+            self._rest_curvature.check(links, links + 1, -np.inf)
         if per_length is not None:
             per_length.check(links, links, SMALLEST, span)
         for law in self._body_laws:
@@ -82,6 +91,11 @@ class Distribution:
         return None if value is None else Law(value, PER_LENGTH, self.numbers, "st")
 
     @property
+    def _rest_curvature(self) -> Law | None:
+        value = self.rod.rest_curvature
+        return None if value is None else Law(value, CURVATURE, self.numbers)
+
+    @property
     def stiffness(self) -> float | None:
         """Bending stiffness EI [N m^2]; None where it varies along the rod."""
         return self._stiffness.uniform_value
@@ -96,12 +110,17 @@ class Distribution:
             found.append("points" if self.rod.inertia == "lumped" else "bodies")
         elif "mass_per_length" in differs:
             found.append("mass")
+        found += ["rest"] * (self.rod.rest_curvature is not None)
         return tuple(found)
 
     @property
     def nonuniform_values(self) -> dict[str, Along]:
         """Values in [rod] that vary along the rod, by key."""
-        laws = {"bending_stiffness": self._stiffness, "mass_per_length": self._mass_per_length}
+        laws = {
+            "bending_stiffness": self._stiffness,
+            "mass_per_length": self._mass_per_length,
+            REST_CURVATURE.key: self._rest_curvature,
+        }
         return {key: law.value for key, law in laws.items() if law and law.uniform_value is None}
 
     @cached_property
@@ -139,6 +158,40 @@ class Distribution:
             halves = l / 2 * cell_means(1 / law.at(gauss_points(2 * rod.links)))
             bend = np.concatenate(([0.0], halves[1::2])) + np.concatenate((halves[::2], [0.0]))
             return [float(1 / bend[at]) for at in joints]
+
+    @property
+    def joint_parameters(self) -> dict[str, list[float]]:
+        """Numbers of the joints with a spring, by parameter, where they differ."""
+        found: dict[str, list[float]] = {}
+        if self.stiffness is None:
+            found[JOINT_STIFFNESS.name] = self.joint_stiffness
+        if self.rod.rest_curvature is not None:
+            found[REST_ANGLE.name] = self.rest_angles
+        return found
+
+    @property
+    def rest_angles(self) -> list[float]:
+        """Rest angle of the spring in every joint that has one [rad]: the integral of the rest
+        curvature over the rod between the middles of the links, from the clamp on."""
+        rod, law = self.rod, self._rest_curvature
+        boundary = rod.boundary_condition
+        joints, half_link = boundary.spring_joints(rod.links), rod.length / rod.links / 2
+        if law is None:
+            return [0.0] * len(joints)
+        if isinstance(law.value, list):
+            halves = half_link * np.repeat(law.value, 2)[1:-1]
+        else:
+            halves = half_link * cell_means(law.at(gauss_points(2 * rod.links)))
+        turned = [halves[max(2 * at - 1, 0) : 2 * at + 1].sum() for at in joints]
+        if boundary.first:  # a held link bends in the joint that ends it
+            turned[0] = halves[: 2 * boundary.first + 1].sum()
+        return list(map(float, turned))
+
+    @property
+    def rest_shape(self) -> Array:
+        """Angles of all links at rest (links,) [rad], over that of the clamp or, without one, of
+        link 0."""
+        return rest_shape(self.rod.boundary_condition, self.rod.links, self.rest_angles)
 
     @property
     def mean_stiffness(self) -> float:
@@ -205,84 +258,21 @@ class Distribution:
         ]
 
 
-@dataclass(frozen=True)
-class BodyOutline:
-    """A body, for drawing: its name, its link, its centre along and across the link over the link's
-    length, and its size, the root of its share in the total mass."""
-
-    name: str
-    link: int
-    along: float
-    across: float
-    size: float
-
-    def positions(self, joints: Array) -> Array:
-        """Positions of its centre (..., 2), for joints at (..., links + 1, 2)."""
-        start, end = joints[..., self.link, :], joints[..., self.link + 1, :]
-        x, y = np.moveaxis(end - start, -1, 0)
-        found: Array = start + self.along * (end - start) + self.across * np.stack((-y, x), -1)
-        return found
+def rest_shape(boundary: Boundary, links: int, rest_angles: ArrayLike) -> Array:
+    """Angles of all links (..., links) [rad] over that of the clamp or, without one, of link 0,
+    where every joint with a spring opens by its rest angle (..., springs)."""
+    angles = np.asarray(rest_angles, float)
+    bends = np.zeros((*angles.shape[:-1], links + 1))
+    bends[..., boundary.spring_joints(links)] = angles
+    turned: Array = np.cumsum(bends[..., :-1], axis=-1)
+    return turned
 
 
-@dataclass(frozen=True)
-class LinkPart:
-    """A mass [kg] at a place along and across a link, and its mean squares about that, all over the
-    length of the link."""
-
-    mass: float
-    along: float
-    across: float = 0.0
-    spread_along: float = 0.0
-    spread_across: float = 0.0
-    spread_mixed: float = 0.0
-
-
-def combine(parts: Sequence[LinkPart]) -> tuple[float, ...]:
-    """Combine parts of a link: mass, centre along and across, mean squares along and across and
-    mean product about that centre."""
-    masses = np.array([part.mass for part in parts])
-    mass = float(masses.sum())
-    if not mass:
-        return (0.0,) * 6
-
-    def mean(values: Iterable[float]) -> float:
-        return float(masses @ np.array([*values]) / mass)
-
-    a, b = mean(part.along for part in parts), mean(part.across for part in parts)
-    return (
-        *(mass, a, b),
-        mean(part.spread_along + (part.along - a) ** 2 for part in parts),
-        mean(part.spread_across + (part.across - b) ** 2 for part in parts),
-        mean(part.spread_mixed + (part.along - a) * (part.across - b) for part in parts),
-    )
-
-
-def link_parameters_at(
-    structure: Structure, values: Mapping[str, Any], t: float, rates: bool = False
-) -> dict[str, list[float]]:
-    """Parameters of the links at a time, from those of a module with masses that are functions of
-    it; rates: of the masses that the links gain in a second instead."""
-    n, lumped = structure.n_links, structure.inertia == "lumped"
-    masses = {name: e.with_values(values) for name, e in structure.open_masses.items()}
-
-    def evaluate_mass(name: str, **places: Array) -> Any:
-        return masses[name].derivative(t, places) if rates else masses[name].evaluate(t, places)
-
-    parts: list[list[LinkPart]] = [[] for _ in range(n)]
-    if "steady_mass" in values and not rates:
-        columns = (values[name] for name in structure.index_ranges if name in STEADY_NAMES)
-        for link, row in enumerate(zip(*columns, strict=True)):
-            parts[link].append(LinkPart(*row))
-    if mass_name("") in masses:
-        density = np.broadcast_to(evaluate_mass(mass_name(""), s=gauss_points(n)), (n, GAUSS))
-        for link, mass in enumerate(values["length"] / n * cell_means(density)):
-            parts[link].append(LinkPart(mass, 0.5, 0.0, 1 / 4 if lumped else 1 / 12))
-    for name, link in structure.changing_bodies.items():
-        along, across, spread = (values[row.name] for row in changing_body_rows(name))
-        mass = float(evaluate_mass(f"{name}_mass"))
-        own = 0.0 if rates else spread / mass
-        parts[link].append(LinkPart(mass, along, across, own, own))
-    names = [one.name for one in NONUNIFORM["bodies"].parameters]
-    known = {one.name for what in structure.nonuniform for one in NONUNIFORM[what].parameters}
-    found = zip(names, zip(*map(combine, parts), strict=True), strict=True)
-    return {name: list(column) for name, column in found if name in known}
+def shape_without_load(structure: Structure, p: Array) -> Array:
+    """Angles of the moving links (..., links) [rad] of the rod without load, over that of the clamp
+    or, without one, of link 0. p: parameters (..., width)."""
+    place = structure.slices.get(REST_ANGLE.name)
+    boundary = structure.boundary_condition
+    if place is None:
+        return np.zeros((*p.shape[:-1], structure.n_links - boundary.first))
+    return rest_shape(boundary, structure.n_links, p[..., place])[..., boundary.first :]

@@ -62,8 +62,8 @@ class Law:
             return
         wrong = _describe_violation(self, links, (span[0], span[1]), least)
         if wrong:
-            limit = "above 0" if least else "at least 0"
-            raise InputError(self.field, self.value, f"finite and {limit} {wrong}")
+            limit = {0.0: " and at least 0", -np.inf: ""}.get(least, " and above 0")
+            raise InputError(self.field, self.value, f"finite{limit} {wrong}")
 
     def check_poles(self, span: Sequence[float]) -> None:
         """Raise InputError for an expression with a pole at some s of the rod. One that is infinite

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from rodgen.errors import InputError
+from rodgen.model.rod import REST_CURVATURE
 from rodgen.model.term import JOINTS
 from rodgen.model.terms import PARAMETERS, TERMS
 from rodgen.scene import spring_law
@@ -105,7 +106,7 @@ def _check_no_lists(scene: SceneTables) -> None:
     for name in scene.loads.parameters:
         words = "nose, body and tail" if PARAMETERS[name].each == JOINTS else form
         lists[scene.key_of(name)] = scene.loads.value(name), words
-    for key in ("bending_stiffness", "mass_per_length"):
+    for key in ("bending_stiffness", "mass_per_length", REST_CURVATURE.key):
         lists[f"rod.{key}"] = getattr(scene.rod, key), form
     why = "to be had with another number of links"
     for field, (value, allowed) in lists.items():

@@ -56,6 +56,10 @@ def _rod_parts(scene: Scene) -> Iterator[ModelPart]:
     yield ModelPart("root spring", start.root > 0, f"{boundary}: {root}")
     spring = abbreviate(rod.spring or "k*d, Hooke's")
     yield ModelPart("law of springs", scene.spring_law is not None, spring)
+    bent = rod.rest_curvature is not None
+    curvature = describe_along(rod.rest_curvature)
+    shape = f"rest_curvature {curvature} 1/m" if bent else "straight: no rest_curvature"
+    yield ModelPart("bent at rest", bent, shape)
     if varying := _describe_variation(along.nonuniform_values.get("mass_per_length")):
         yield ModelPart("mass of links", True, f"mass_per_length{varying}")
     for body, mass in zip(scene.bodies, along.body_masses, strict=True):
@@ -108,11 +112,16 @@ def _describe_point(scene: Scene, at: float) -> str:
     return f"on link {link_and_share(at, scene.rod.links)[0]}, at s = {at:g}"
 
 
+def describe_along(value: Along | None) -> str:
+    """Describe a number, an expression in s, or the range of values along the rod."""
+    if isinstance(value, list):
+        return f"{min(value):g} to {max(value):g}"
+    return abbreviate(value) if isinstance(value, str) else f"{value or 0.0:g}"
+
+
 def _describe_variation(law: Along | None) -> str:
     """Words on a value that varies along the rod; empty for one that does not."""
-    if isinstance(law, list):
-        law = f"{min(law):g} to {max(law):g}"
-    return "" if law is None else f", each its own: {abbreviate(str(law))}"
+    return "" if law is None else f", each its own: {describe_along(law)}"
 
 
 def _term_part(scene: Scene, term: Term) -> ModelPart:

@@ -18,7 +18,7 @@ from pydantic import (
 )
 
 from rodgen.errors import InputError
-from rodgen.model.rod import CLAMP_ANGLE, ROD, Boundary
+from rodgen.model.rod import CLAMP_ANGLE, MASS_WAYS, ROD, Boundary
 from rodgen.model.term import JOINTS, LINKS
 from rodgen.model.terms import PARAMETERS, PLACES
 from rodgen.scene import spring_law
@@ -35,6 +35,7 @@ from rodgen.scene.lookup_table import MOST_ROWS, LookupTable, parse_table
 from rodgen.scene.number_text import Expressed
 from rodgen.scene.plain_tables import to_plain
 from rodgen.scene.tables import (
+    REST,
     BodyTable,
     Finite,
     FoundationTable,
@@ -148,6 +149,12 @@ class SceneTables(Table):
             if value is not None and not self.boundary_condition.translates:
                 allowed = f"absent: joint 0 of boundary {self.rod.boundary} is fixed"
                 raise InputError(f"initial.{name}", value, allowed)
+        if self.initial.angle is not None and self.boundary_condition.is_clamped:
+            allowed = "absent: the clamp has one, rod.clamp_angle"
+            raise InputError("initial.angle", self.initial.angle, allowed)
+        if self.initial.phi == REST in self.numbers:
+            allowed = f'another name: initial.phi = "{REST}" is the shape without load'
+            raise InputError(f"parameters.{REST}", self.numbers[REST], allowed)
         self._initial_values("phi")
         self._initial_values("omega")
         check_events(self.events, self.rod, self.states)
@@ -168,6 +175,9 @@ class SceneTables(Table):
 
     def _initial_values(self, name: str) -> NDArray[np.float64]:
         """Initial values of the moving links."""
+        if name == "phi" and self.initial.phi == REST:
+            shape: NDArray[np.float64] = self.anchors.angle + self.distribution.rest_shape
+            return shape[self.n_fixed_links :]
         return self.initial.link_values(name, self.rod, self._numbers)
 
     @property
@@ -285,7 +295,8 @@ class SceneTables(Table):
     def anchors(self) -> Anchors:
         """Supports and foundation of the rod."""
         start = self.initial.position or (0.0, 0.0)
-        return Anchors(self.rod, self.supports, self.foundation, start, self._numbers)
+        turned = self.initial.angle or 0.0
+        return Anchors(self.rod, self.supports, self.foundation, start, self._numbers, turned)
 
     @property
     def distribution(self) -> Distribution:
@@ -350,9 +361,8 @@ class SceneTables(Table):
             one.name: getattr(rod, one.key) or 0.0 for one in (*ROD, CLAMP_ANGLE)
         }
         values |= {"bending_stiffness": along.stiffness, "mass": along.total_link_mass}
-        if "stiffness" in along.nonuniform:
-            values["joint_stiffness"] = along.joint_stiffness
-        if {*along.nonuniform} - {"stiffness"}:
+        values |= along.joint_parameters
+        if not MASS_WAYS.isdisjoint(along.nonuniform):
             values |= along.link_parameters()
         values |= along.changing_mass_parameters
         values |= {name: self._load_value(name) for name in self.loads.parameters}
@@ -384,11 +394,12 @@ class SceneTables(Table):
     def time_laws(self) -> TimeLaws:
         """Functions of time in the scene, over the span."""
         groups = self._single_loads, self.loads_along_rod, self.state_rates
-        single, along, rates = (tuple(of.values()) for of in groups)
+        single, spread, rates = (tuple(of.values()) for of in groups)
         masses = tuple(mass for *_, mass in self.distribution.changing_masses)
         law, (start, end) = self.spring_law, self.integrate.span
-        spring = (law, tuple(self.distribution.joint_stiffness)) if law else None
-        return TimeLaws(start, end, single, along, rates, masses, self.rod.links, spring)
+        along = self.distribution
+        spring = (law, tuple(along.joint_stiffness), tuple(along.rest_angles)) if law else None
+        return TimeLaws(start, end, single, spread, rates, masses, self.rod.links, spring)
 
     def breaks(self) -> list[float]:
         """Break points: times inside the span [s] at which a load, the rate of a state or a mass is

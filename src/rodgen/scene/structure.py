@@ -14,8 +14,8 @@ from itertools import starmap
 from rodgen.errors import InputError, did_you_mean
 from rodgen.model.rod import (
     BOUNDARIES,
-    CLAMP_ANGLE,
     INERTIAS,
+    MASS_WAYS,
     NONUNIFORM,
     ROD,
     STEADY,
@@ -42,7 +42,7 @@ class Structure:
     names of the loads and of what else acts, with a place if that is not the tail
     (follower@6+1/10: on link 6, at a tenth of it); expressions: loads that are functions of time or
     of the motion, by parameter, as canonical text (part of the code; their numbers are parameters);
-    nonuniform: what differs along the rod: "stiffness", "mass", "bodies", "points"; states: added
+    nonuniform: what differs along the rod, keys of model.rod.NONUNIFORM; states: added
     states by name, with their rates as such text; spring: law of the springs as such text, "" for
     the moment k d; masses: masses that are functions of time, as such text, by name of the body and
     its link ("" and -1 for the links themselves); tables: how many rows those tables have whose
@@ -82,7 +82,7 @@ class Structure:
         object.__setattr__(
             self, "nonuniform", tuple(what for what in NONUNIFORM if what in self.nonuniform)
         )
-        weighed = [what for what in self.nonuniform if what != "stiffness"]
+        weighed = [what for what in self.nonuniform if what in MASS_WAYS]
         if len(weighed) > 1:
             raise InputError(
                 "nonuniform", weighed, "of mass, bodies and points one: the last say more"
@@ -238,7 +238,7 @@ class Structure:
     @cached_property
     def angle_indices(self) -> dict[str, int]:
         """Indices in p of angles of loads and of the clamp, by parameter."""
-        names = [one.name for one in self.rows if one.is_angle or one.name == CLAMP_ANGLE.name]
+        names = [one.name for one in self.rows if one.is_angle and not one.is_array]
         return {name: self.slices[name].start for name in names}
 
     @cached_property

@@ -22,7 +22,7 @@ from rodgen.model.rod import BOUNDARIES, INERTIAS, Boundary
 from rodgen.scene import structure as st
 from rodgen.scene.expression import Numbers
 from rodgen.scene.law import Law
-from rodgen.scene.number_text import AS_TEXTS, Expressed
+from rodgen.scene.number_text import AS_TEXTS, Expressed, to_texts
 from rodgen.scene.plain_tables import AGAIN, make_immutable
 from rodgen.scene.rod_points import link_and_share
 from rodgen.scene.validation import to_input_error
@@ -38,6 +38,7 @@ def _check_not_tiny(value: float) -> float:
 
 
 Finite = Annotated[float, Field(allow_inf_nan=False, ge=-LARGEST, le=LARGEST)]
+REST = "rest"  # initial angles without a load
 SMALLEST = 1e-60  # of what others are divided by
 Positive = Annotated[float, Field(allow_inf_nan=False, gt=0, le=LARGEST)]
 Size = Annotated[Positive, AfterValidator(_check_not_tiny)]
@@ -158,6 +159,11 @@ class RodTable(Table):
         description="moment of the spring in a joint [N m]: an expression in `d`, the angle by "
         'which it is bent, and its stiffness `k`; without it `"k*d"`',
     )
+    rest_curvature: Finite | Values | str | None = Field(
+        default=None,
+        description="curvature where no load acts, to the left [1/m]: a number, an expression in "
+        "s, or n + 1 values, one for every joint; without it straight",
+    )
     inertia: str = Field(
         default="uniform",
         description="how the mass of a link lies: " + list_words(INERTIAS, describe=True),
@@ -252,7 +258,7 @@ class SupportTable(Table):
     to: Pair | None = Field(
         default=None,
         description="fixed point `[x, y]` [m] to which the springs pull; without it where the "
-        "straight rod has that point",
+        "rod without load has that point",
     )
     stiffness: NotNegativePair = Field(
         default=[0.0, 0.0], description="in x and y, `[k_x, k_y]` [N/m], each at least 0"
@@ -293,14 +299,33 @@ class InitialTable(Table):
     )
     phi: Finite | Values | str | None = Field(
         default=None,
-        description="absolute angles [rad]: a number, a list over the moving links, or an "
-        "expression in s; without it straight, along the clamp",
+        description="absolute angles [rad]: a number, a list over the moving links, an expression "
+        f'in s, or `"{REST}"`, the shape that `rest_curvature` gives; without it straight, along '
+        "the clamp",
+    )
+    angle: Expressed[Finite] | None = Field(
+        default=None,
+        description=f'angle of link 0 [rad] for `phi = "{REST}"` of a rod without a clamp; without '
+        "it 0",
     )
     omega: Finite | Values | str | None = Field(
         default=None,
         description="their rates [rad/s]: a number, a list over the moving links, or an "
         "expression in s; without it 0",
     )
+
+    @model_validator(mode="after")
+    def _check_angle(self) -> Self:
+        if self.angle is not None and self.phi != REST:
+            allowed = f'absent: initial.phi is not "{REST}"'
+            raise InputError("initial.angle", self.angle, allowed)
+        return self
+
+    @property
+    def given_angles(self) -> tuple[str, Any]:
+        """Key that says the angles at the start, of a shape at rest that of its first link, and its
+        value."""
+        return ("initial.angle", self.angle) if self.phi == REST else ("initial.phi", self.phi)
 
     def link_values(self, name: str, rod: RodTable, numbers: Numbers) -> NDArray[np.float64]:
         """Initial angles or rates, by the key, of the moving links; numbers: values of the names in
@@ -313,7 +338,7 @@ class InitialTable(Table):
         if isinstance(value, list):
             if len(value) != len(links):
                 allowed = f"a list of {len(links)} values, one for every moving link"
-                raise InputError(field, value, allowed)
+                raise InputError(field, to_texts(value), allowed)
             return np.array(value, dtype=float)
         values = Law(value, field, numbers).at((links + 0.5) / n)
         wrong = links[~np.isfinite(values)]

@@ -49,14 +49,16 @@ def _signal_switch(difference: Difference, cause: str) -> Switch:
     return Switch(lambda t, values: np.asarray(difference(t, values))[..., None], cause=cause)
 
 
-def _spring_switch(difference: Difference, stiffness: tuple[float, ...]) -> Switch:
+def _spring_switch(
+    difference: Difference, stiffness: tuple[float, ...], rest: tuple[float, ...]
+) -> Switch:
     """Switch of the springs of all joints, zero where one is next to a corner of its law: lest the
     rounding of a rod that is at rest there be taken for a motion across it."""
     k = {STIFFNESS: np.array(stiffness)}
     off = np.array([0.0, -ON_A_CORNER, ON_A_CORNER])
 
     def law(t: NDArray[np.float64], values: Values) -> Any:
-        d = values[BENDS]
+        d = values[BENDS] - np.array(rest)
         if d.size <= FEW:  # calls cost more than what they compute
             here, below, above = difference(d + off.reshape(-1, *(1,) * d.ndim), k)
         else:
@@ -72,7 +74,7 @@ class TimeLaws:
 
     single: loads of one number, by time or by the motion; along: loads that may differ from link to
     link; rates: of states; masses: of links and bodies; links: their number; spring: the law of the
-    springs, and their stiffness.
+    springs, their stiffness, and the bends at which they are at rest.
     """
 
     start: float
@@ -82,7 +84,7 @@ class TimeLaws:
     rates: tuple[Expression, ...]
     masses: tuple[Expression, ...]
     links: int
-    spring: tuple[Expression, tuple[float, ...]] | None = None
+    spring: tuple[Expression, tuple[float, ...], tuple[float, ...]] | None = None
 
     @classmethod
     def from_structure(
@@ -91,10 +93,10 @@ class TimeLaws:
         numbers: Mapping[str, float],
         start: float,
         end: float,
-        stiffness: tuple[float, ...] = (),
+        springs: tuple[tuple[float, ...], tuple[float, ...]] = ((), ()),
     ) -> Self:
-        """Expressions of a structure, with values of their numbers by name; stiffness: of the
-        springs, where their law is not smooth."""
+        """Expressions of a structure, with values of their numbers by name; springs: stiffness and
+        rest angles, where their law is not smooth."""
 
         def with_numbers(of: Mapping[str, Expression]) -> tuple[Expression, ...]:
             return tuple(e.with_values(numbers) for e in of.values())
@@ -106,10 +108,10 @@ class TimeLaws:
             for name, e in structure.open_rates.items()
         )
         spring = None
-        if stiffness:
+        if springs[0]:
             names = (name for name in structure.spring_law.names if name != STIFFNESS)
             law = spring_law(structure.spring, tuple((name, numbers[name]) for name in names))
-            spring = law, stiffness
+            spring = law, *springs
         return cls(start, end, single, along, rates, masses, structure.n_links, spring)
 
     @property
@@ -193,8 +195,8 @@ class TimeLaws:
             }
         switches = [_signal_switch(one, causes.get(at, "")) for at, one in found.items()]
         if self.spring is not None:
-            law, stiffness = self.spring
-            switches += (_spring_switch(one, stiffness) for one in law.corners().values())
+            law, *springs = self.spring
+            switches += (_spring_switch(one, *springs) for one in law.corners().values())
         return tuple(switches)
 
     def pulses(self) -> list[tuple[float, float, float]]:

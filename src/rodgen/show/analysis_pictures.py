@@ -108,39 +108,40 @@ def _mode_label(modes: Modes, at: int) -> str:
 
 
 def equilibrium_shape(rest: Equilibrium) -> Figure:
-    """Deflected rod beside the straight one, with its loads; small displacements enlarged. A rod
-    that turns freely is straight in more than one direction: that of its start is shown."""
+    """Deflected rod beside the one without load, with its loads; small displacements enlarged. A
+    rod that turns freely lies in more than one direction then: that of its start is shown."""
     rod = SteadyRod.of(rest.scene, rest.t)
-    straight = rod.model.joints(
-        rod.state_at_rest(rod.start_unknowns(rod.straight_angles)), rod.system.p
+    unloaded = rod.model.joints(
+        rod.state_at_rest(rod.start_unknowns(rod.unloaded_angles)), rod.system.p
     )
-    joints, stretch = rest.joints, _choose_stretch(straight, rest.joints)
+    joints, stretch = rest.joints, _choose_stretch(unloaded, rest.joints)
     figure, (axes,) = make_axes(6.0, 5.0)
-    straight_as = "straight" if rod.is_clamped else "straight, as at the start"
-    axes.plot(*straight.T, "--", color=FAINT, label=straight_as, linewidth=LINE)
+    shape = "straight" if rod.is_straight else "without load"
+    label = shape if rod.is_clamped else f"{shape}, as at the start"
+    axes.plot(*unloaded.T, "--", color=FAINT, label=label, linewidth=LINE)
     dots = "o-" if len(joints) <= 60 else "-"
     state = ", unstable" if rest.stable is False else ""
     axes.plot(*joints.T, dots, color=ROD, markersize=2.5, label=f"equilibrium{state}")
     draw_marks(axes, rod.scene, joints, ROD)
-    side = -1.0 if straight[-1, 0] > joints[-1, 0] else 1.0  # where the straight rod is not
+    side = -1.0 if unloaded[-1, 0] > joints[-1, 0] else 1.0  # where the dashed line is not
     drawn = draw_loads(axes, rod, joints, rest.y, side, stretch)
     axes.set(xlabel="x [m]", ylabel="y [m]")
     add_remark(axes, describe_marks(rod.scene))
     if (times := stretch.max()) > 1:
         large = int(stretch.argmax())
         add_remark(axes, f"{'xy'[large]} drawn {times:g} times as large as {'yx'[large]}")
-    set_limits(axes, np.concatenate((straight, joints, *drawn)), stretch)
+    set_limits(axes, np.concatenate((unloaded, joints, *drawn)), stretch)
     set_title(figure, f"{rod.scene.name}: static equilibrium")
     handles = [*axes.get_legend_handles_labels()[0], *load_legend(rod, rest.y)]
     add_legend(figure, handles)
     return figure
 
 
-def _choose_stretch(straight: Array, joints: Array) -> Array:
+def _choose_stretch(unloaded: Array, joints: Array) -> Array:
     """Choose how many times as large as along it a rod is drawn across (2,), where it bends too
     little to be seen, and lies along an axis of the picture."""
-    along = np.abs(straight[-1] - straight[0])
-    bent = float(np.linalg.norm(joints - straight, axis=1).max() / along.max())
+    along = np.abs(unloaded[-1] - unloaded[0])
+    bent = float(np.linalg.norm(joints - unloaded, axis=1).max() / along.max())
     stretch = np.ones(2)
     if along.min() < 1e-9 * along.max() and 1e-12 < bent < SMALL_BEND:
         stretch[along.argmin()] = 10.0 ** np.floor(np.log10(SEEN_BEND / bent))

@@ -86,7 +86,7 @@ def _deflection(data: xarray.Dataset, prefix: str, scene: Scene) -> tuple[str, A
     if not scene.boundary_condition.is_clamped:
         return "y of the tail [m]", tip[:, 1]
     angle = scene.rod.clamp_angle or 0.0
-    return "tail across the straight rod [m]", tip @ [-np.sin(angle), np.cos(angle)]
+    return "tail across the line of the clamp [m]", tip @ [-np.sin(angle), np.cos(angle)]
 
 
 def equilibrium_shapes(found: list[Equilibrium], scene: Scene) -> Figure:

@@ -10,8 +10,8 @@ from rodgen.integrate.trajectory import ErrorGrowth
 from rodgen.model.terms import describe
 from rodgen.result import DOUBT, ResultTable
 from rodgen.scene import Scene
-from rodgen.scene.grammar import abbreviate
-from rodgen.scene.model_contents import describe_loads
+from rodgen.scene.law import Along
+from rodgen.scene.model_contents import describe_along, describe_loads
 
 MOST_EVENTS = 10  # events
 ROUNDING = 1e-9  # of the largest energy: what changes by less has not changed
@@ -43,6 +43,7 @@ def scene_table(scene: Scene) -> ResultTable:
         "length": f"{rod.length:g} m",
         "mass": f"{scene.mass:g} kg",
         "EI": f"{describe_along(rod.bending_stiffness)} N m^2",
+        "curvature at rest": _rest_curvature(rod.rest_curvature),
         "bodies": ", ".join(body.name for body in scene.bodies),
         "loads": ", ".join(describe_loads(scene)),
         "span": f"{settings.span[0]:g} to {settings.span[1]:g} s, by {settings.method}",
@@ -58,6 +59,8 @@ def _scene(solution: Solution) -> str:
     named = ", ".join(f"{body.name} {mass:g} kg" for body, mass in masses)
     bodies = f" ({named})" if named else ""
     law = f", springs of the moment {describe_along(scene.rod.spring)}" if scene.spring_law else ""
+    if curvature := _rest_curvature(scene.rod.rest_curvature):
+        law += f", {curvature} at rest"
     terms = ", ".join(describe_loads(scene)) or "no loads"
     return (
         f"{scene.name}: {scene.rod.boundary} rod of {links}, "
@@ -66,11 +69,8 @@ def _scene(solution: Solution) -> str:
     )
 
 
-def describe_along(value: float | list[float] | str | None) -> str:
-    """Describe a number, an expression in s, or the range of values along the rod."""
-    if isinstance(value, list):
-        return f"{min(value):g} to {max(value):g}"
-    return abbreviate(value) if isinstance(value, str) else f"{value or 0.0:g}"
+def _rest_curvature(value: Along | None) -> str:
+    return "" if value is None else f"curvature {describe_along(value)} 1/m"
 
 
 def _run(solution: Solution) -> str:

@@ -14,6 +14,7 @@ from pydantic import TypeAdapter, ValidationError
 
 from rodgen.arrays import Array
 from rodgen.errors import InputError
+from rodgen.model.rod import MASS_WAYS
 from rodgen.model.terms import PARAMETERS
 from rodgen.scene import Scene
 from rodgen.scene.expression import Expression, open_expression
@@ -188,7 +189,7 @@ class ParameterMap:
         name = keys[-1]
         if len(keys) != 2 or name not in structure.slices or PARAMETERS[name].each:
             return None
-        masses = {*structure.nonuniform} - {"stiffness"}
+        masses = MASS_WAYS & {*structure.nonuniform}
         weighed = masses or self._source.distribution.changing_masses
         placed = structure.nonuniform or scene.supports or scene.foundation
         alone = {

@@ -11,7 +11,9 @@ from numpy.typing import NDArray
 
 from rodgen.arrays import Array
 from rodgen.errors import shorten
+from rodgen.model.rod import CLAMP_ANGLE
 from rodgen.result import Note, doubt
+from rodgen.scene.distribution import shape_without_load
 from rodgen.scene.structure import Structure
 
 TURN = 2 * math.pi
@@ -32,18 +34,30 @@ def angle_doubts(structure: Structure, p: Array, field: Callable[[str], str]) ->
 
 
 def initial_angle_doubts(
-    structure: Structure, y0: Array, given: Callable[[], Any]
+    structure: Structure, p: Array, y0: Array, given: Callable[[], tuple[str, Any]]
 ) -> Iterator[Note]:
-    """Yield the doubt about an initial angle of more than a turn; given: those of the scene."""
-    turns = float(np.abs(y0[structure.angle_slice]).max(initial=0.0)) / TURN
+    """Yield the doubt about an initial angle of more than a turn; given: the key of the scene that
+    says the angles, and its value."""
+    turns = float(_turned_at_start(structure, p, y0)) / TURN
     if turns > 1:
-        words = f"initial.phi = {shorten(given())} turns a link by {turns:.3g} turns"
+        key, value = given()
+        words = f"{key} = {shorten(value)} turns a link by {turns:.3g} turns"
         yield doubt(f"{words}: {RADIANS}", turns=turns)
+
+
+def _turned_at_start(structure: Structure, p: Array, y0: Array) -> Array:
+    """Largest angle by which a link is turned at the start (...,) [rad], out of the shape without
+    load, which may wind, and out of the x axis, whichever is less."""
+    angles, unloaded = y0[..., structure.angle_slice], shape_without_load(structure, p)
+    if CLAMP_ANGLE.name in structure.slices:  # of which there is a doubt of its own
+        unloaded = unloaded + p[..., structure.slices[CLAMP_ANGLE.name]]
+    least = np.minimum(np.abs(angles), np.abs(angles - unloaded))
+    return np.asarray(least.max(axis=-1, initial=0.0))
 
 
 def count_doubts(structure: Structure, p: Array, y0: Array) -> NDArray[np.intp]:
     """Number of these doubts about each of many rods, (rods,), with parameters p (rods, width) and
     states y0 (rods, states) at the start."""
     angles = np.abs(p[:, [*structure.angle_indices.values()]]) > TURN
-    starts = np.abs(y0[:, structure.angle_slice]).max(axis=1, initial=0.0) > TURN
+    starts = _turned_at_start(structure, p, y0) > TURN
     return np.asarray(angles.sum(axis=1) + starts)

@@ -370,7 +370,9 @@ class System:
         doubts = (*unused, *angle_doubts(self.structure, self.p, self.key_of))
         if not self._has_own_start:
             return doubts
-        start = initial_angle_doubts(self.structure, self.y0, lambda: self.scene.initial.phi)
+        start = initial_angle_doubts(
+            self.structure, self.p, self.y0, lambda: self.scene.initial.given_angles
+        )
         return (*doubts, *start)
 
     @property

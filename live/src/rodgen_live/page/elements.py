@@ -127,12 +127,12 @@ class RodCanvas(Component, component=STATIC / "rod.js"):
     a state does not have (see message.rod_arrays) is not drawn.
 
     Props: show {name: bool} (see LAYERS), loads (those that are drawn, as the vocabulary has them),
-    bodies [{name, link, along, across, size}] (see scene.distribution.BodyOutline), ties [{link,
+    bodies [{name, link, along, across, size}] (see scene.link_parts.BodyOutline), ties [{link,
     share, x, y}] (see scene.anchors.SupportPoint), bed [[x, y], [x, y]] of a foundation, view
     ("fixed", "centre": the centre of gravity stays where it is, "axes": and the principal axes as
-    well), support ("none", "wall", "pin"), clampAngle [rad], tool (one of TOOLS), perMetre
+    well), support ("none", "wall", "pin"), clampAngle, restShape [rad], tool (see TOOLS), perMetre
     (of a kick, [N s] for a metre dragged), hold (what pulls stays where it is let go), times (by
-    which displacements from the straight rod are drawn larger), mode (a mode shape to draw, see
+    which displacements from the rod at rest are enlarged), mode (a mode shape to draw, see
     page/mode_panel.py), label (for screen readers), rod (any number: another one fits the picture
     anew and clears the scales; another number of links does so too).
     Events: "kick" {link, share, dx, dy}: what was dragged from a link, at `share` (0 start, 1 end),

@@ -125,6 +125,7 @@ def scene_props(scene: Scene) -> dict[str, Any]:
         "ties": [asdict(tie) for tie in scene.anchors.support_points],
         "bed": scene.anchors.foundation_line.tolist(),
         "clampAngle": scene.anchors.angle,
+        "restShape": scene.distribution.rest_shape.tolist(),
         "support": scene.boundary_condition.start_drawing,
         "loads": arrows_of(scene.loads.terms),
         "label": description(scene),

@@ -17,6 +17,7 @@ from rodgen.model.rod import (
     CHANGING_BODY,
     CLAMP_ANGLE,
     MASS_PER_LENGTH,
+    REST_CURVATURE,
     ROD,
     SPRING,
     STATE,
@@ -96,7 +97,7 @@ def groups_of(scene: Scene) -> Iterator[FieldGroup]:
     """Groups of all tables whose numbers a live run can change, loads first."""
     yield from _load_groups(scene)
     straight = {CLAMP_ANGLE.key: 0.0} if scene.boundary_condition.is_clamped else {}
-    rod = (*ROD, MASS_PER_LENGTH, SPRING, CLAMP_ANGLE)
+    rod = (*ROD, MASS_PER_LENGTH, SPRING, REST_CURVATURE, CLAMP_ANGLE)
     yield FieldGroup("rod", scene.rod, rod, left_out=straight)
     for at, body in enumerate(scene.bodies):
         group = FieldGroup(f"bodies.{at}", body, BODY, f" of {body.name}")
@@ -219,7 +220,8 @@ def reshape(scene: Scene, form: StructureForm, starts: Mapping[str, Any]) -> Sce
     check_links(form.links, form.boundary, "rod.links")
     boundary, table = BOUNDARIES[form.boundary], refined_tables(scene, form.links)
     rod = table["rod"]
-    for key, count in (("bending_stiffness", form.links + 1), ("mass_per_length", form.links)):
+    joints = dict.fromkeys(("bending_stiffness", REST_CURVATURE.key), form.links + 1)
+    for key, count in (joints | {"mass_per_length": form.links}).items():
         if isinstance(rod.get(key), list):
             places, known = (np.linspace(0.0, 1.0, size) for size in (count, len(rod[key])))
             rod[key] = np.interp(places, known, rod[key]).tolist()

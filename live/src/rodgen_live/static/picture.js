@@ -115,8 +115,7 @@ export class Picture {
 
   // The joints as they are drawn, in metres from the origin of the state.
   get #joints() {
-    const { times, support, clampAngle } = this.options;
-    return enlarged(this.state.joints, times, support, clampAngle);
+    return enlarged(this.state.joints, this.options);
   }
 
   // What is to be seen is other than before: it is fitted again, unless a part of it was chosen.

@@ -1,34 +1,33 @@
 // The rod with its displacements drawn larger than they are, so that small vibrations are seen.
 
-// The straight rod that displacements are counted from, as [x, y, direction x, direction y] of its
-// start: of a clamped rod that of its clamp; else the chord, from the start of a pinned rod, or
-// through the middle of the joints.
-function straight(joints, along, support, clampAngle) {
-  const [x, y] = joints;
-  if (support === "wall") return [x, y, Math.cos(clampAngle), Math.sin(clampAngle)];
-  const [dx, dy] = [joints.at(-2) - x, joints.at(-1) - y];
-  const chord = Math.hypot(dx, dy) || 1;
-  const [c, s] = [dx / chord, dy / chord];
-  if (support === "pin") return [x, y, c, s];
-  let [sumX, sumY] = [0, 0];
-  along.forEach((length, k) => {
-    sumX += joints[2 * k] - c * length;
-    sumY += joints[2 * k + 1] - s * length;
+// The joints x0, y0, x1, ... of the rod at rest, whose links have the angles of restShape over that
+// at its start: of a clamped rod from its clamp on; else as near to the joints as a rotation brings
+// it, about the start of a pinned rod, or about the middle of the joints.
+function atRest(joints, { support, clampAngle, restShape }) {
+  const seen = Array.from({ length: joints.length / 2 }, (_, k) => joints.slice(2 * k, 2 * k + 2));
+  const rest = [[0, 0]];
+  seen.slice(1).forEach(([x, y], k) => {
+    const link = Math.hypot(x - seen[k][0], y - seen[k][1]);
+    const turned = restShape[k] ?? 0; // while another rod is awaited
+    rest.push([rest[k][0] + link * Math.cos(turned), rest[k][1] + link * Math.sin(turned)]);
   });
-  return [sumX / along.length, sumY / along.length, c, s];
+  const middle = (of) => [0, 1].map((axis) => of.reduce((sum, at) => sum + at[axis], 0) / of.length);
+  const [[u0, v0], [x0, y0]] = [rest, seen].map(support === "none" ? middle : ([start]) => start);
+  let [along, across] = [0, 0];
+  rest.forEach(([u, v], k) => {
+    along += (u - u0) * (seen[k][0] - x0) + (v - v0) * (seen[k][1] - y0);
+    across += (u - u0) * (seen[k][1] - y0) - (v - v0) * (seen[k][0] - x0);
+  });
+  const angle = support === "wall" ? clampAngle : Math.atan2(across, along);
+  const [c, s] = [Math.cos(angle), Math.sin(angle)];
+  const place = ([u, v]) => [x0 + c * (u - u0) - s * (v - v0), y0 + s * (u - u0) + c * (v - v0)];
+  return rest.flatMap(place);
 }
 
-// Joints x0, y0, x1, ..., each as many times as far from the straight rod as it is.
-export function enlarged(joints, times, support, clampAngle) {
+// Joints, each as many times as far from the rod at rest as it is.
+export function enlarged(joints, options) {
+  const { times } = options;
   if (times === 1) return joints;
-  const along = new Float64Array(joints.length / 2); // of the rod before each joint
-  for (let at = 2; at < joints.length; at += 2) {
-    const link = Math.hypot(joints[at] - joints[at - 2], joints[at + 1] - joints[at - 1]);
-    along[at / 2] = along[at / 2 - 1] + link;
-  }
-  const [x, y, c, s] = straight(joints, along, support, clampAngle);
-  return Float64Array.from(joints, (place, at) => {
-    const from = at % 2 ? y + s * along[(at - 1) / 2] : x + c * along[at / 2];
-    return from + times * (place - from);
-  });
+  const rest = atRest(joints, options);
+  return Float64Array.from(joints, (place, at) => rest[at] + times * (place - rest[at]));
 }

@@ -15,7 +15,7 @@ from rodgen.analyse.curves.curve import BRANCH, NOISE, start_point
 from rodgen.analyse.scaled_load import RodRange
 from rodgen.analyse.statics import Equilibrium, equilibrium_of, static_equilibrium
 from rodgen.analyse.steady_rod import SteadyRod
-from rodgen.analyse.steady_state import SteadyState, straight_state
+from rodgen.analyse.steady_state import SteadyState, unloaded_state
 from rodgen.arrays import Array
 from rodgen.errors import AnalysisError
 from rodgen.progress import report_stage
@@ -79,7 +79,7 @@ def static_equilibria(system: System | Scene, *, t: float | None = None) -> list
             return [first]
     factor = RodRange.of_load(rod)
     p = factor.numbers.parameters(0.0)
-    bare, _ = straight_state(rod, p)
+    bare, _ = unloaded_state(rod, p)
     found: list[tuple[Array, int]] = []
     problem = None
     chain = rod.scene.distribution.mean_stiffness == 0
@@ -166,7 +166,7 @@ def _initial_guesses(problem: Equilibria) -> list[Array]:
     for waves in WAVES:
         shape = np.sin(waves * np.pi * s) if start.rod.is_clamped else np.cos(2 * waves * np.pi * s)
         for bend in (sign * bend for bend in BENT for sign in (1.0, -1.0)):
-            at = start.at._replace(phi=start.rod.straight_angles + bend * shape)
+            at = start.at._replace(phi=start.rod.unloaded_angles + bend * shape)
             guesses.append(problem.pack(replace(start, at=at), 1.0))
     return guesses
 

@@ -25,7 +25,7 @@ from rodgen.analyse.pencil import BlockPencil, Linear, MatrixPencil
 from rodgen.analyse.scaled_load import RodRange
 from rodgen.analyse.small_motions import SmallMotions, growing_eigenvalues
 from rodgen.analyse.steady_rod import SteadyRod, Unknowns
-from rodgen.analyse.steady_state import SteadyState, linearise, straight_state
+from rodgen.analyse.steady_state import SteadyState, linearise, unloaded_state
 from rodgen.arrays import Array
 from rodgen.errors import AnalysisError
 
@@ -53,7 +53,7 @@ class Equilibria(ContinuationProblem):
         values = [value for value in self.along.numbers.bounds if start.has_free_rotation]
         for value in values:
             p = self.along.numbers.parameters(value)
-            state, _ = straight_state(self.along.rod(value), p)
+            state, _ = unloaded_state(self.along.rod(value), p)
             if state is not None and not state.has_free_rotation:
                 start = state
         try:

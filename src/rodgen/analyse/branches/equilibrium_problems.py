@@ -12,7 +12,7 @@ from rodgen.analyse.equilibrium_equations import DenseBalance
 from rodgen.analyse.pencil import ImplicitBlocks, to_sparse
 from rodgen.analyse.scaled_load import RodRange
 from rodgen.analyse.steady_rod import SteadyRod, Unknowns
-from rodgen.analyse.steady_state import SteadyState, straight_state
+from rodgen.analyse.steady_state import SteadyState, unloaded_state
 from rodgen.arrays import Array
 from rodgen.errors import AnalysisError
 
@@ -135,7 +135,7 @@ class StraightFlight(Equilibria):
         return np.array([self.scale(value)])
 
     def _make_state(self, rod: SteadyRod, p: Array, u: Array) -> SteadyState:
-        state, turning = straight_state(rod, p)
+        state, turning = unloaded_state(rod, p)
         if state is None:
             raise AnalysisError(f"the rod begins to turn with {turning:.3g} rad/s^2")
         return state
@@ -164,5 +164,5 @@ def _turns_freely(along: RodRange, start: SteadyState, value: float) -> bool:
     value."""
     if not start.has_free_rotation:
         return False
-    state, _ = straight_state(along.rod(value), along.numbers.parameters(value))
+    state, _ = unloaded_state(along.rod(value), along.numbers.parameters(value))
     return state is not None and state.has_free_rotation

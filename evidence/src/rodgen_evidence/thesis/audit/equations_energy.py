@@ -130,7 +130,7 @@ def spring_energies(n: int) -> list[Expr]:
 
 
 def derived_springs(n: int) -> list[Expr]:
-    return [spring_potential(phi[s], phi[s + 1]) for s in range(n - 1)]
+    return [spring_potential(phi[s + 1] - phi[s]) for s in range(n - 1)]
 
 
 def one_link_claim(number: str, link: int, text: str) -> Claim:
