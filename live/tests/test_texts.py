@@ -15,6 +15,7 @@ from rodgen.integrate.stepper import Counts
 from rodgen.model.rod import BOUNDARIES
 from rodgen.model.terms import TERMS, THESIS_TERMS
 from rodgen.scene import Scene
+from rodgen_live.page.elements import LAYERS
 from rodgen_live.panel_rows import (
     WIDTH,
     CriticalForce,
@@ -158,6 +159,13 @@ def test_rows_are_those_of_the_scene(make_scene: Make, links: int, terms: tuple[
     for name in scene.structure.parameters:
         other = name in ("fin_factor", *scene.structure.numbers)
         assert name in rows or other or name.startswith(("foundation_", "support_"))
+
+
+def test_bending_moment_and_couples_have_switches_of_their_own() -> None:
+    """The colours of the rod are there in every scene, the arrows where there is a couple."""
+    needed = {layer.label: layer.term for layer in LAYERS.values()}
+    assert needed["bending moment, as colour"] is None
+    assert needed["couple"] == "moment"
 
 
 def test_loads_and_works_are_those_of_the_present(make_scene: Make) -> None:

@@ -11,6 +11,7 @@ import rodgen
 from rodgen.analyse.simulated_critical import dmd_growth
 from rodgen.scene import Scene
 from tests.analyse.rods import ONES, are_among, eigenvalues, rod
+from tests.told import refused
 
 # (9/4) j^2 EI/L^2 with j the first zero of the Bessel function of order 2/3.
 DIVERGENCE = 25.638181376802
@@ -41,6 +42,23 @@ def test_a_couple_that_is_fed_back_is_a_support_against_turning() -> None:
         np.testing.assert_allclose(getattr(found, name), getattr(expected, name), rtol=1e-9)
     onsets = [rodgen.critical_load(scene.replace({"loads.gravity": None})) for scene in (one, two)]
     assert onsets[0].value == pytest.approx(onsets[1].value, rel=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("load", "table", "key"),
+    [
+        ("all", {"moment": {"moment": "-phi(1)"}}, "loads.moment.moment"),
+        ("followers", {"follower": {"force": "1 - phi(1)"}}, "loads.follower.force"),
+        ("tip", {"tip": {"x": -1.0, "y": "-phi(1)"}}, "loads.tip.y"),
+    ],
+)
+def test_a_load_that_follows_the_motion_has_no_size_to_scale(
+    load: str, table: dict[str, Any], key: str
+) -> None:
+    scene = rod(3, "clamped", {"gravity": {"g": 1.0}} | table, **ONES)
+    told = refused(rodgen.critical_load, scene, load=load)
+    assert told[0] == key
+    assert "an expression in t" in told.allowed
 
 
 @pytest.mark.slow

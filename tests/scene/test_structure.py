@@ -80,6 +80,22 @@ def test_modules_that_differ_in_an_expression_differ_in_name() -> None:
         assert len(stems) == 2
 
 
+def test_modules_of_many_loads_have_names_that_files_can_have() -> None:
+    """Of at most 255 letters, endings included."""
+    one, two = (Structure(5, terms=(f"moment@{at}", *["moment"] * 99)) for at in (1, 2))
+    for output, ending in NAMES:
+        stem = one.module_stem(*output)
+        assert stem.endswith(f"_and_84_more{ending}_{one.hash[:6]}")
+        assert len(stem) < 200
+        assert stem != two.module_stem(*output)
+
+
+def test_a_load_that_is_nowhere_in_particular_has_no_place() -> None:
+    for kind in ("gravity", "viscous_drag"):
+        told = refused(Structure, 5, terms=(f"{kind}@2",))
+        assert told == ("terms", f"{kind}@2", f"{kind}, which has no place")
+
+
 def test_what_cannot_be_written_or_move_is_refused() -> None:
     for boundary, boundary_condition in BOUNDARIES.items():
         for links in (-3, 0, boundary_condition.min_links - 1):

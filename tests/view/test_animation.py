@@ -309,11 +309,23 @@ def test_a_couple_is_as_long_an_arc_as_it_is_large(make_scene: Callable[..., Sce
         found.append(np.ptp(np.unwrap(np.arctan2(arc[:, 1], arc[:, 0]))))
         assert np.ptp(np.linalg.norm(arc, axis=1)) < 1e-12
     assert found[1] == pytest.approx(found[0] / 2)
+    assert found[0] == pytest.approx(2 * np.pi * 3 / 4)
+    assert "3/4 of a circle: 4 N m" in [text.get_text() for text in film._stage.figure.texts]
     pictures = [film.render(k, 0.0).copy() for k in (0, 1)]
     blue = tuple(bytes.fromhex(TERMS["moment"].colours[0][1:]))
     seen = [int((picture[AXES][..., :3] == blue).all(axis=-1).sum()) for picture in pictures]
     assert seen[0] > 20
     assert seen[1] == 0
+
+
+def test_names_of_loads_are_within_the_film(make_scene: Callable[..., Scene]) -> None:
+    """The longest as well."""
+    scene = make_scene(2, terms=("distributed_follower",))
+    sol = Solution(System(scene), np.array([0.0]), scene.initial_state()[None], {}, NO_STATS)
+    stage = FrameRenderer(sample_motion(sol), scene, FilmSettings(view="fixed"), 1.0)._stage
+    (legend,) = stage.figure.legends
+    assert "distributed follower force" in [text.get_text() for text in legend.get_texts()]
+    assert legend.get_window_extent().x1 <= stage.canvas.get_width_height()[0]
 
 
 @cases("view, size", ("fixed", "centre", "axes"), ((1280, 720), (640, 480), (320, 640)))

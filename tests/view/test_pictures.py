@@ -180,6 +180,18 @@ def test_energies_are_those_that_there_are_and_that_in_gravity_begins_at_zero() 
         assert line == pytest.approx(due, rel=1e-6, abs=1e-6)
 
 
+@pytest.mark.parametrize(("g", "named"), [(0.0, "couples"), (9.81, "gravity and couples")])
+def test_energy_of_constant_couples_is_told_as_such(
+    make_scene: Callable[..., Scene], g: float, named: str
+) -> None:
+    scene = make_scene(2, "clamped", terms=("gravity",) if g else ())
+    scene = scene.replace({"loads.moment": [{"moment": 0.5}, {"moment": 0.1, "at": 0.2}]})
+    lines = energies(rodgen.simulate(scene, span=(0, 0.1), target="numpy")).axes[0].lines
+    labels = [line.get_label() for line in lines]
+    assert f"{named} from the start" in labels
+    assert f"total with {named} from the start" in labels
+
+
 def test_the_error_of_energy_has_numbers_at_powers_of_ten_alone(swinging: Solution) -> None:
     """Even where all of it lies between two of them; those around it are shown."""
     least = swinging.energy_error

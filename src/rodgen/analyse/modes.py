@@ -162,12 +162,12 @@ def natural_modes(
     """Return the lowest natural frequencies and mode shapes of a scene about its steady state.
 
     The steady state is straight and at rest, in static equilibrium, or straight and steadily
-    accelerating under its thrust; a rod that is bent at rest is so instead of straight. All eigenvalues are computed for up to 24 links, if a third or
-    more are asked for, with external damping, and with internal damping for up to 500 links.
-    Otherwise those of smallest modulus are computed by sparse shift-invert, in O(n). With much
-    damping and more than 500 links, there may be fewer than ``count``, and a motion of large
-    modulus but low frequency may be missed. Motions that grow are always found. A motion that dies
-    away within a period counts as overdamped.
+    accelerating under its thrust; a rod that is bent at rest is so instead of straight. All
+    eigenvalues are computed for up to 24 links, if a third or more are asked for, with external
+    damping, and with internal damping for up to 500 links. Otherwise those of smallest modulus are
+    computed by sparse shift-invert, in O(n). With much damping and more than 500 links, there may
+    be fewer than ``count``, and a motion of large modulus but low frequency may be missed. Motions
+    that grow are always found. A motion that dies away within a period counts as overdamped.
 
     Parameters
     ----------

@@ -97,11 +97,14 @@ class ScaledLoad:
         terms = [row for row in every if row.name == term.name] if term else every
         if name == FOLLOWERS:
             terms = [row for row in every if row.follows]
-        here = {
-            one.name: (np.asarray(rod.system.parameter(one.name)), _force_per_size(row, scene))
-            for row in terms
-            for one in row.size_parameters
-        }
+        laws = rod.system.expressions
+        here: dict[str, tuple[Any, float]] = {}
+        for row in terms:
+            for one in (part.name for part in row.size_parameters):
+                if one in laws and laws[one].signals:
+                    allowed = "a number or an expression in t, to be scaled with others"
+                    raise InputError(rod.system.key_of(one), laws[one].text, allowed)
+                here[one] = np.asarray(rod.system.parameter(one)), _force_per_size(row, scene)
         place = f"loads.{name}" if term else "loads"
         if not here:
             found = ", ".join((*(row.name for row in every if row.size_parameters), *GROUPS))

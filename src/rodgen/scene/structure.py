@@ -31,6 +31,7 @@ from rodgen.scene.literals import check_name, mass_name, number_parameter, table
 from rodgen.scene.plain_tables import to_plain
 
 MOST_LINKS = 10**6
+LONGEST = 150  # letters of loads in the name of a module, which is one of files
 PLACE = re.compile(r"(0|[1-9][0-9]{0,6})(?:\+([1-9][0-9]{0,30}/[1-9][0-9]{0,30}))?")
 
 
@@ -286,15 +287,22 @@ class Structure:
         target: "c" or "numpy"; form: "chain" or "dense".
 
         Expressions and places of loads are part of the code: with some, it ends in six letters of
-        the hash, so that modules that differ in them have names and symbols of their own.
+        the hash, so that modules that differ in them have names and symbols of their own. Of many
+        loads the first are named, and the others counted.
         """
-        terms = "" if self.terms == THESIS_TERMS else "_" + ("_".join(self.loads) or "conservative")
+        loads = [*self.loads] or ["conservative"]
+        while len("_".join(loads)) > LONGEST:
+            loads.pop()
+        more = len(self.loads) - len(loads)
+        counted = f"_and_{more}_more" if more > 0 else ""
+        terms = "" if self.terms == THESIS_TERMS else "_" + "_".join(loads) + counted
         inertia = "" if self.inertia == "uniform" else f"_{self.inertia}"
         how = "" if form == "chain" else f"_{form}"
         where = "" if target == "numpy" else f"_{target}"
         nonuniform = "_nonuniform_" + "_".join(self.nonuniform) if self.nonuniform else ""
         coded = (self.expressions, self.states, self.spring, self.masses)
-        timed = f"_{self.hash[:6]}" if any((*coded, *load_places(self.terms).values())) else ""
+        special = any((counted, *coded, *load_places(self.terms).values()))
+        timed = f"_{self.hash[:6]}" if special else ""
         return f"rod_{self.boundary}_n{self.n_links}{terms}{inertia}{nonuniform}{how}{where}{timed}"
 
     @cached_property
@@ -342,9 +350,10 @@ def _check_term(text: str, links: int) -> None:
     if options:
         check_choice("terms", text, [kind, *(f"{kind}@{key}" for key in options)])
         return
+    if not TERMS[kind].placed:
+        raise InputError("terms", text, f"{kind}, which has no place")
     found = PLACE.fullmatch(place)
-    inside = found and int(found[1]) < links and Fraction(found[2] or 0) < 1
-    if not (TERMS[kind].placed and inside):
+    if not (found and int(found[1]) < links and Fraction(found[2] or 0) < 1):
         allowed = f"{kind}@link or {kind}@link+share, of a load at a point of one of {links} links"
         raise InputError("terms", text, allowed)
 

@@ -16,7 +16,8 @@ from rodgen.arrays import Array
 from rodgen.errors import EmptyPictureError, InputError
 from rodgen.integrate import RunError, Solution
 from rodgen.model.quantities import TURNS
-from rodgen.model.terms import describe
+from rodgen.model.term import COUPLE
+from rodgen.model.terms import TERMS, describe
 from rodgen.show.canvas import (
     CENTRE,
     CURVE,
@@ -200,18 +201,20 @@ def trajectories(solution: Solution) -> Figure:
 
 
 def energies(solution: Solution) -> Figure:
-    """Energies and work over time; that of gravity from the start on, as a height far from zero
-    swamps all else. Below, the error of the energy balance."""
+    """Energies and work over time; that of gravity and couples from the start on, as a height far
+    from zero swamps all else. Below, the error of the energy balance."""
     figure, (axes, below) = make_axes(6.0, 5.0, 2, sharex=True, height_ratios=(2, 1))
     t, energy = solution.t, solution.energy
-    gravity = energy.gravity - energy.gravity[0]
+    loads = energy.gravity - energy.gravity[0]
+    kinds = (TERMS[name].kind for name in solution.scene.structure.potentials)
+    named = " and ".join(dict.fromkeys("couples" if k == COUPLE else "gravity" for k in kinds))
     from_start = bool(energy.gravity.any())
-    total = "total with gravity from the start" if from_start else "total"
+    total = f"total with {named} from the start" if from_start else "total"
     rows = [
         ("kinetic", energy.kinetic, True),
         ("springs", energy.spring, energy.spring.any()),
-        ("gravity from the start", gravity, from_start),
-        (total, energy.kinetic + energy.spring + gravity, True),
+        (f"{named} from the start", loads, from_start),
+        (total, energy.kinetic + energy.spring + loads, True),
     ]
     there = [(label, values) for label, values, is_there in rows if is_there]
     # In the order, and so in the colours, of the live view.

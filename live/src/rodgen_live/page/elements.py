@@ -41,7 +41,7 @@ class Layer(NamedTuple):
 ARROWS = {FORCE: "point", WEIGHT: "mass", DRAG: "joints", SPREAD: "joints", COUPLE: "link"}
 LOADS = {name: term for name, term in TERMS.items() if term.kind in ARROWS}
 LAYERS = {
-    "moment": Layer("bending moment, as colour"),
+    "bending": Layer("bending moment, as colour"),
     "joints": Layer("joints"),
     "ends": Layer("names of the ends"),
     "cg": Layer("centre of gravity"),

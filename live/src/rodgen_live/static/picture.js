@@ -144,7 +144,7 @@ export class Picture {
     // A rod that is held comes back to where it has been.
     if (support !== "none" && camera.mode === "fixed") box = about(box, relative(this.#been));
     if (this.#two) box[2] += ASIDE * this.#length;
-    const [left, top, , high] = frame(this.context, camera.width, show.moment, names);
+    const [left, top, , high] = frame(this.context, camera.width, show.bending, names);
     const room = Math.max(ROOM, arrow);
     const view = fitted(box, room, [camera.width, camera.height], [left, top + high]);
     camera.fit(view, state.origin, state.point);
@@ -229,7 +229,7 @@ export class Picture {
   #rod(now, colours) {
     const { context, points, state, camera, options } = this;
     const { show, clampAngle } = options;
-    const told = show.moment && 2 * (state.moment?.length ?? 0) === points.length;
+    const told = show.bending && 2 * (state.moment?.length ?? 0) === points.length;
     const moments = told ? state.moment : null;
     let largest = 0;
     for (const moment of moments ?? []) largest = Math.max(largest, Math.abs(moment));

@@ -113,6 +113,8 @@ class CoupleArrows:
         self.names = tuple(couples)
         self._stage, self._radius = stage, RADIUS * float(camera.half.min())
         largest = max((float(np.abs(one[:, 2]).max()) for one in couples.values()), default=1.0)
+        if couples:
+            stage.add_couple_key(largest)
         self._drawn = [
             (
                 camera.to_picture(one[:, :2]),

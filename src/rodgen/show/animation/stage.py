@@ -25,8 +25,9 @@ GRID_STYLE: dict[str, Any] = {"color": GUIDE, "alpha": 0.45, "linewidth": 0.7}
 FILM_DPI = 100.0  # of a film of 1280 x 720; letters grow with the film
 SMALLEST_LETTERS = 0.62  # of theirs there
 KEY = 0.3  # inches below the legend, for the scale of the arrows
+COUPLE_KEY = 0.2  # inches below that, for the scale of curved arrows
 SPACING = 0.6  # inches between lines of the grid, at least: room for a number
-MARGINS = 0.82, 2.05, 0.62, 0.55  # inches left, right, below and above the axes
+MARGINS = 0.82, 2.3, 0.62, 0.55  # inches left, right, below and above the axes
 
 
 class Stage:
@@ -133,6 +134,13 @@ class Stage:
             borderpad=0,
             borderaxespad=0,
         )
+
+    def add_couple_key(self, largest: float) -> None:
+        """Add a line on the scale of curved arrows; largest: moment of the longest [N m]."""
+        left, low = self.panel_corner
+        text = f"3/4 of a circle: {largest:.3g} N m"
+        low -= COUPLE_KEY / self.figure.get_figheight()
+        self.figure.text(left, low, text, color=INK, fontsize=9)
 
     def pixels_per_metre(self, camera: Camera) -> float:
         """Return the scale of the picture."""
