@@ -172,7 +172,7 @@ def children(node: ast.AST) -> tuple[tuple[ast.expr, bool], ...]:
 
 @lru_cache(maxsize=KEPT)
 def meaning_of(node: ast.AST) -> ast.expr | None:
-    """What a call stands for, in terms of other functions; None for any other node."""
+    """Return the tree for which a call stands, of other functions; None for any other node."""
     match node:
         case ast.Call(func=ast.Name(id=name), args=[x]) if (
             name in FUNCTIONS and FUNCTIONS[name].meaning

@@ -17,7 +17,7 @@ SENSORS = ("phi", "omega", "x", "y", "vx", "vy")
 
 
 @dataclass(frozen=True)
-class Function:
+class ExpressionFunction:
     """A function of expressions.
 
     value: of NumPy's numbers; slope: its derivative, as text in its number x and its value f;
@@ -34,17 +34,17 @@ class Function:
 
 
 FUNCTIONS = {
-    "sin": Function(np.sin, "cos(x)"),
-    "cos": Function(np.cos, "-sin(x)"),
-    "tan": Function(np.tan, "1 + f*f"),
-    "exp": Function(np.exp, "f"),
-    "log": Function(np.log, "1/x"),
-    "sqrt": Function(np.sqrt, "0.5/f"),
-    "abs": Function(np.abs, "-1 if x < 0 else 1"),
-    "tanh": Function(np.tanh, "1 - f*f"),
-    "min": Function(lambda *a: reduce(np.minimum, a), least=2, most=None),
-    "max": Function(lambda *a: reduce(np.maximum, a), least=2, most=None),
-    "deg": Function(np.positive, meaning="x*(pi/180)", unit="rad"),
+    "sin": ExpressionFunction(np.sin, "cos(x)"),
+    "cos": ExpressionFunction(np.cos, "-sin(x)"),
+    "tan": ExpressionFunction(np.tan, "1 + f*f"),
+    "exp": ExpressionFunction(np.exp, "f"),
+    "log": ExpressionFunction(np.log, "1/x"),
+    "sqrt": ExpressionFunction(np.sqrt, "0.5/f"),
+    "abs": ExpressionFunction(np.abs, "-1 if x < 0 else 1"),
+    "tanh": ExpressionFunction(np.tanh, "1 - f*f"),
+    "min": ExpressionFunction(lambda *a: reduce(np.minimum, a), least=2, most=None),
+    "max": ExpressionFunction(lambda *a: reduce(np.maximum, a), least=2, most=None),
+    "deg": ExpressionFunction(np.positive, meaning="x*(pi/180)", unit="rad"),
 }
 BINARY: dict[type[ast.operator], tuple[str, Callable[..., Any]]] = {
     ast.Add: ("+", np.add),
