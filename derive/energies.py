@@ -28,10 +28,11 @@ from .general import GeneralEquations
 from .generic_chain import AtSprings
 from .link_properties import Joint
 from .loads import supports
-from .loads.kinds import AppliedForces, MassForce
+from .loads.base import Base
+from .loads.kinds import AppliedForces, Load, MassForce
 from .polynomials import TIME
 from .symbols import (
-    ALPHA,
+    alpha,
     arm_x,
     arm_y,
     eta,
@@ -43,6 +44,8 @@ from .symbols import (
     joint_y,
     k,
     l,
+    moved_ax,
+    moved_ay,
     n,
     omega,
     phi,
@@ -81,15 +84,42 @@ class Quantities:
     ) -> Expr:
         """Integral over the mass of the links that move of ``part`` times a function of the point
         at xi, whose coordinates depend on time; origin: the joint before link i."""
+        whole = part * self.equations.rod.mass(i) * self._on_link(function, origin)
+        return Sum(whole, (i, self.equations.boundary_condition.first_in_motion, n - 1))
+
+    def _on_link(self, function: Callable[[Expr, Expr], Expr], origin: Vector) -> Expr:
+        """Mean over the mass of link i of a function of the point at xi, whose coordinates depend
+        on time."""
         x, y, angle = dynamicsymbols("x y phi", real=True)
         mean = expand(self._link_mean((x, y), angle, function))
         collected = expand(mean.subs(sin(angle) ** 2, 1 - cos(angle) ** 2))
-        values = {x.diff(TIME): joint_vx[i], y.diff(TIME): joint_vy[i]}
-        values[angle.diff(TIME)] = omega[i]
+        growing = zip((x, y, angle), (moved_ax, moved_ay, alpha), strict=True)
+        moving = zip((x, y, angle), (joint_vx, joint_vy, omega), strict=True)
+        values = {of.diff(TIME, 2): base[i] for of, base in growing}
+        values |= {of.diff(TIME): base[i] for of, base in moving}
         there = {x: origin[0], y: origin[1], angle: phi[i]}
-        per_mass = collected.subs(values).subs(there)
-        mass = part * self.equations.rod.mass(i)
-        return Sum(mass * per_mass, (i, self.equations.boundary_condition.first, n - 1))
+        return collected.subs(values).subs(there)
+
+    @cached_property
+    def inertia(self) -> tuple[Vector, tuple[Expr, Expr, Expr]]:
+        """Force [N] that the accelerations of the links with angles of their own need; that of the
+        held link, and its moment [N m] about joint 0; zero where there is none."""
+        equations = self.equations
+        first, mass = equations.boundary_condition.first, equations.rod.mass(i)
+        needs = [
+            mass * self._on_link(function, (S.Zero, S.Zero))
+            for function in (
+                lambda x, _: x.diff(TIME, 2),
+                lambda _, y: y.diff(TIME, 2),
+                lambda x, y: x * y.diff(TIME, 2) - y * x.diff(TIME, 2),
+            )
+        ]
+        x, y = (Sum(need, (i, first, n - 1)) for need in needs[:2])
+        motion = equations.base_motion
+        growing = zip((moved_ax, moved_ay), motion.of_start(2), strict=True)
+        known = {base[0]: a for base, a in growing} | {alpha[0]: motion.angle[2]}
+        held = [need.subs(i, 0).xreplace(known) if first else S.Zero for need in needs]
+        return (x, y), (held[0], held[1], held[2])
 
     @cached_property
     def kinetic_energy(self) -> Expr:
@@ -113,7 +143,8 @@ class Quantities:
         about the start of the first link that moves."""
         boundary, origin = self.equations.boundary_condition, (arm_x[i], arm_y[i])
         if boundary.is_held:
-            origin = (reach_x[i] - reach_x[boundary.first], reach_y[i] - reach_y[boundary.first])
+            first = boundary.first_in_motion
+            origin = (reach_x[i] - reach_x[first], reach_y[i] - reach_y[first])
         return self._integrate_over_mass(lambda x, y: x * y.diff(TIME) - y * x.diff(TIME), origin)
 
     @cached_property
@@ -151,7 +182,7 @@ class Quantities:
         def curvature_of(before: Expr, after: Expr, spring: Joint) -> Expr:
             return spring_moment(after - before, spring.size / l)
 
-        return _piecewise_at_ends(self.equations.at_springs(curvature_of, phi, ALPHA), s)
+        return _piecewise_at_ends(self.equations.at_springs(curvature_of, phi), s)
 
     @cached_property
     def spring_energy(self) -> Expr:
@@ -161,7 +192,7 @@ class Quantities:
             bent = spring.bend(before, after)
             return spring_potential(bent, spring.stiffness, self.equations.law)
 
-        inner, root, tail = self.equations.at_springs(energy_of, phi, ALPHA)
+        inner, root, tail = self.equations.at_springs(energy_of, phi)
         return root + tail + Sum(inner, (s, 1, n - 1))
 
     @cached_property
@@ -173,7 +204,7 @@ class Quantities:
             moment = spring_moment(spring.bend(before, after), spring.stiffness, law)
             return collect(expand(moment), k) if law == LINEAR else moment
 
-        return _piecewise_at_ends(self.equations.at_springs(moment_of, phi, ALPHA, joint), joint)
+        return _piecewise_at_ends(self.equations.at_springs(moment_of, phi, joint), joint)
 
     @cached_property
     def anchor_energy(self) -> Expr:
@@ -199,11 +230,12 @@ class Quantities:
     @cached_property
     def weight_energy(self) -> Expr:
         """Potential of the loads that act on mass [J]: minus their work from the origin to every
-        link; zero where there are none."""
+        link; zero where none has one."""
         origin, total = (joint_x[i], joint_y[i]), S.Zero
-        for load in self.equations.loads.values():
-            if isinstance(load, MassForce):
-                potential = partial(load.potential_of_mass, self.equations.rod.mass(i))
+        for name in self.potentials:
+            if isinstance(load := self.equations.loads[name], MassForce):
+                of = self.equations.rod.mass(i), self.equations.boundary_condition
+                potential = partial(load.potential_of_mass, *of)
                 fall = self._link_mean(origin, phi[i], potential)
                 total += Sum(fall, (i, 0, n - 1))
         return total
@@ -212,7 +244,16 @@ class Quantities:
     def power(self) -> dict[str, Expr]:
         """Power of each load that has no potential [W], by term."""
         loads = self.equations.loads.items()
-        return {t: load.power(self.equations) for t, load in loads if t not in self.potentials}
+        return {t: self._power_of(load) for t, load in loads if t not in self.potentials}
+
+    def _power_of(self, load: Load) -> Expr:
+        if isinstance(load, Base):
+            return load.power_of(self.equations, *self.inertia)
+        if not load.by_momentum:
+            return load.power(self.equations)
+        force = load.weight(S.One, self.equations.boundary_condition)
+        parts = zip(force, self.momentum, strict=True)
+        return Add(*(force * momentum for force, momentum in parts if force))
 
     @cached_property
     def centre(self) -> Vector:

@@ -29,11 +29,9 @@ class ExplicitDerivation(ExplicitChain):
     all links (a clamped angle has a column too).
     """
 
-    terms: tuple[str, ...] = ()  # beside one of each
-
     def __post_init__(self) -> None:
         super().__post_init__()
-        self.loads = LOADS | loads_of(self.terms)
+        self.loads = LOADS | loads_of(self.terms)  # beside one of each
         for load in self.loads.values():
             self.constants += load.constants(self.first_joint, self.n)
             self.turning += load.angles
@@ -79,12 +77,31 @@ class ExplicitDerivation(ExplicitChain):
         neither, and all else."""
         rates = [q.diff(TIME) for q in self.coordinates]
         parts = []
-        for (row,) in self.lagranges_method.forcing.rows:
-            split = self.calculus.coefficients(
-                self.calculus.normal_form(row), rates + self.spring_angles
-            )
+        for row in self._forcing_rows:
+            split = self.calculus.coefficients(self._at_rest(row), rates + self.spring_angles)
             parts.append(self._sort_terms(split, rates))
         return parts
+
+    @cached_property
+    def _forcing_rows(self) -> list[PolyElement]:
+        """Rows of the loadless forcing, in normal form."""
+        rows = self.lagranges_method.forcing.rows
+        return [self.calculus.normal_form(row) for (row,) in rows]
+
+    def _at_rest(self, row: PolyElement) -> PolyElement:
+        """Row of a rod whose base does not move."""
+        still = [(self.calculus.generator[e], 0) for e in self._given_derivatives]
+        return row.subs(still) if row and still else row
+
+    @property
+    def _given_derivatives(self) -> list[Expr]:
+        """Rates and accelerations that are given as functions of time."""
+        return [q.diff(TIME, order) for q in self.courses for order in (1, 2)]
+
+    @cached_property
+    def forces_by_base(self) -> list[PolyElement]:
+        """Part of the loadless forcing that there is because the base moves, by row."""
+        return [row - self._at_rest(row) for row in self._forcing_rows]
 
     @cached_property
     def spring_angles(self) -> list[Expr]:

@@ -9,8 +9,9 @@ from sympy import Expr, S
 from sympy.physics.mechanics import dynamicsymbols
 from sympy.polys.rings import PolyElement
 
-from rodgen.model.rod import BOUNDARIES
+from rodgen.model.terms import MOVING_BASE, boundary_of, load_places
 
+from .base_motion import BaseMotion
 from .chain import position
 from .link_properties import Joint, Rod, centre, spread
 from .polynomials import TIME, Calculus
@@ -25,16 +26,30 @@ class ExplicitChain:
     boundary: str = "free"
     inertia: str = "uniform"
     nonuniform: tuple[str, ...] = ()
+    terms: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
-        boundary_condition = BOUNDARIES[self.boundary]
+        boundary_condition = self.boundary_condition = boundary_of(self.boundary, self.terms)
+        self.motion = BaseMotion.of(load_places(self.terms).get(MOVING_BASE, ""))
+        # What is given as functions of time: the place of joint 0, and the angle of the clamp.
+        angle = (self.motion.clamp_angle, *self.motion.angle[1:])
+        courses = [self.motion.x, self.motion.y, angle]
+        moving_ones = [of for of in courses if of[0] not in (0, ALPHA)]
+        names = dynamicsymbols(f"given:{len(moving_ones)}", real=True) if moving_ones else ()
+        self.courses = dict(zip(names, moving_ones, strict=True))
+        self.given: dict[Expr, Expr] = {
+            of: q.diff(TIME, order) if order else q
+            for q, course in self.courses.items()
+            for order, of in enumerate(course)
+        }
+        clamp = self.given.get(self.motion.clamp_angle, ALPHA)
         moving = list(dynamicsymbols(f"phi{boundary_condition.first}:{self.n}", real=True))
-        self.angles: list[Expr] = [ALPHA] * boundary_condition.first + moving
+        self.angles: list[Expr] = [clamp] * boundary_condition.first + moving
         # Every angle that a spring knows, and the springs between them.
         root, tail = (
             [size] if size else [] for size in (boundary_condition.root, boundary_condition.tail)
         )
-        self.bent = [ALPHA] * len(root) + self.angles + [ALPHA] * len(tail)
+        self.bent = [clamp] * len(root) + self.angles + [clamp] * len(tail)
         self.rod = Rod(self.inertia, self.nonuniform)
         sizes = zip(
             boundary_condition.spring_joints(self.n),
@@ -48,7 +63,7 @@ class ExplicitChain:
         self.coordinates: list[Expr] = self.base + moving
         self.moving = moving
         self.first_joint = boundary_condition.first_joint
-        held = [ALPHA] if boundary_condition.is_clamped else []
+        held = [clamp] if boundary_condition.is_clamped else []
         # What all that is computed is polynomial in, and angles; loads add theirs.
         self.constants, self.turning = [m, l, k, xi], [*moving, *held]
         self.constants += [eta] if self.rod.has_offset_mass else []
@@ -61,13 +76,14 @@ class ExplicitChain:
     @cached_property
     def calculus(self) -> Calculus:
         """Ring of all polynomials of the chain."""
-        return Calculus(self.coordinates, self.turning, self.constants)
+        return Calculus([*self.coordinates, *self.courses], self.turning, self.constants)
 
     def point(
         self, link: int, fraction: Expr, beside: Expr = S.Zero
     ) -> tuple[PolyElement, PolyElement]:
         """Position of a point of the chain, or of one beside it, as polynomials."""
-        origin = tuple(self.base) if self.base else (S.Zero, S.Zero)
+        x, y = self.base or [self.given.get(of, of) for of in self.motion.of_start(0)]
+        origin = x, y
         x, y = position(origin, self.angles, link, fraction, beside)
         return self.calculus.poly(x), self.calculus.poly(y)
 

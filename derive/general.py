@@ -26,6 +26,7 @@ from sympy import (
     factor,
 )
 
+from .base_motion import link_growth
 from .chain import (
     AFTER,
     BEFORE,
@@ -41,7 +42,6 @@ from .link_properties import Joint
 from .loads import loads_of
 from .loads.kinds import GeneralisedForces, JointMoment, Load
 from .symbols import (
-    ALPHA,
     Array,
     arm_x,
     arm_y,
@@ -56,6 +56,8 @@ from .symbols import (
     joint_x,
     joint_y,
     later,
+    moved_ax,
+    moved_ay,
     n,
     phi,
     reach_x,
@@ -165,7 +167,7 @@ class GeneralEquations(GenericChain):
     def springs(self) -> AtSprings:
         """Moments of springs on the link, or the clamp of the tail, after each joint, where that
         before gets the opposite; zero where there is no spring."""
-        return self.at_springs(self._spring_moment, phi, ALPHA)
+        return self.at_springs(self._spring_moment, phi)
 
     def _spring_moment(self, before: Expr, after: Expr, spring: Joint) -> Expr:
         moment = -spring_moment(spring.bend(before, after), spring.stiffness, self.law)
@@ -220,15 +222,16 @@ class GeneralEquations(GenericChain):
     def arrays(self) -> dict[IndexedBase, Array]:
         """Positions and velocities of the joints, moments across them, and arrays of the loads."""
         boundary_condition = self.boundary_condition
-        origin = (x0, y0, vx0, vy0) if boundary_condition.translates else (S.Zero,) * 4
-        firsts = (0, 0, boundary_condition.first, boundary_condition.first)
+        base, first_link = self.base_motion, boundary_condition.first_in_motion
+        origin = (x0, y0, vx0, vy0)
+        if not boundary_condition.translates:
+            origin = (*base.of_start(0), *base.of_start(1))
+        firsts = (0, 0, first_link, first_link)
         sums = [
             start + Sum(step, (i, first, joint - 1))
             for start, step, first in zip(origin, link_step(i, S.One), firsts, strict=True)
         ]
-        zero, first, moving = map(
-            Integer, (0, boundary_condition.first, boundary_condition.first_joint)
-        )
+        zero, first, moving = map(Integer, (0, first_link, boundary_condition.first_joint))
         values = {
             joint_x: (zero, sums[0]),
             joint_y: (zero, sums[1]),
@@ -239,6 +242,8 @@ class GeneralEquations(GenericChain):
             arm_x: (zero, reach_x[joint] - centre_x),
             arm_y: (zero, reach_y[joint] - centre_y),
         }
+        if boundary_condition.moves:
+            values |= self._accelerations_of_joints()
         for load in self.loads.values():
             values |= {base: (moving, value) for base, value in load.joint_arrays(self).items()}
         arrays = {base: Array(base, joint, low, n, value) for base, (low, value) in values.items()}
@@ -251,6 +256,14 @@ class GeneralEquations(GenericChain):
             for base, value in load.link_arrays(boundary_condition).items():
                 arrays[base] = Array(base, i, first, n - 1, value)
         return arrays
+
+    def _accelerations_of_joints(self) -> dict[IndexedBase, tuple[Expr, Expr]]:
+        """Arrays of the accelerations of the joints from which links with angles of their own go
+        on, by those of these links: their first index and their values."""
+        first = Integer(self.boundary_condition.first)
+        start = self.base_motion.of_first_joint(self.boundary_condition)
+        parts = zip((moved_ax, moved_ay), start, link_growth(i), strict=True)
+        return {base: (first, a + Sum(step, (i, first, joint - 1))) for base, a, step in parts}
 
 
 def _rename_indices(expression: Expr, indices: dict[Symbol, Symbol]) -> Expr:

@@ -28,8 +28,10 @@ from sympy import (
 )
 from sympy.physics.mechanics import LagrangesMethod, dynamicsymbols
 
-from rodgen.model.rod import BOUNDARIES, Boundary
+from rodgen.model.rod import Boundary
+from rodgen.model.terms import MOVING_BASE, boundary_of, load_places
 
+from .base_motion import BaseMotion
 from .chain import AFTER, BEFORE, OWN, Vector, combine, lever, normal_angle, side_lever
 from .link_properties import Joint, Rod
 from .polynomials import TIME
@@ -102,12 +104,13 @@ class AtSprings(NamedTuple):
 class GenericChain:
     """A chain with n links for every n, before its loads and its equations.
 
-    boundary, inertia, nonuniform: as in `GeneralEquations`, which has them.
+    boundary, inertia, nonuniform, terms: as in `GeneralEquations`, which has them.
     """
 
     boundary: str
     inertia: str
     nonuniform: tuple[str, ...]
+    terms: tuple[str, ...]
 
     @property
     def rod(self) -> Rod:
@@ -117,7 +120,12 @@ class GenericChain:
     @cached_property
     def boundary_condition(self) -> Boundary:
         """Boundary of the rod: how its ends are held."""
-        return BOUNDARIES[self.boundary]
+        return boundary_of(self.boundary, self.terms)
+
+    @cached_property
+    def base_motion(self) -> BaseMotion:
+        """Motion of what holds the start of the rod."""
+        return BaseMotion.of(load_places(self.terms).get(MOVING_BASE, ""))
 
     @cached_property
     def _generic(self) -> MassPoint:
@@ -127,12 +135,12 @@ class GenericChain:
         self,
         of: Callable[[Expr, Expr, Joint], Expr],
         numbers: IndexedBase,
-        clamp: Expr,
         at: Symbol = s,
     ) -> AtSprings:
-        """Values of a function of the numbers of the links before and after a joint, or of the
-        clamp there, and of the spring in the joint. at: index of an inner joint."""
+        """Values of a function of the angles or rates of the links before and after a joint, or of
+        the clamp there, and of the spring in the joint. at: index of an inner joint."""
         boundary, joint = self.boundary_condition, self.rod.joint
+        clamp = self.base_motion.clamp_angle if numbers == phi else self.base_motion.angle[1]
         return AtSprings(
             of(numbers[at - 1], numbers[at], joint(at)),
             of(clamp, numbers[0], joint(0, boundary.root)),
@@ -194,6 +202,6 @@ class GenericChain:
     def piecewise_at_ends(self, start: Expr, end: Expr, inner: Expr) -> Expr:
         """Value at a joint that moves, with other values at the ends of the rod."""
         cases = [(end, Eq(joint, n)), (inner, True)]
-        if self.boundary_condition.translates:
+        if not self.boundary_condition.first_joint:
             cases.insert(0, (start, Eq(joint, 0)))
         return Piecewise(*cases)

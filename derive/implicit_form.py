@@ -17,9 +17,9 @@ from sympy import Add, And, Eq, Expr, Indexed, Matrix, Mul, Piecewise, S, Symbol
 from .chain import link_step
 from .general import GeneralEquations
 from .joint_force_system import JointForceSystem
-from .joint_system import alpha, collect_terms, lambda_x, lambda_y, link_moment, load_on, tail_load
+from .joint_system import collect_terms, lambda_x, lambda_y, link_moment, load_on, tail_load
 from .loads.joint_drag import divisor
-from .symbols import i, joint_vx, joint_vy, joint_x, joint_y, n, omega, phi, s
+from .symbols import alpha, i, joint_vx, joint_vy, joint_x, joint_y, n, omega, phi, s
 
 UNKNOWNS = (alpha, lambda_x, lambda_y)
 # What is differentiated by, in cells, and at the joints at the start and at the end of a link.

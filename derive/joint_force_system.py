@@ -24,7 +24,6 @@ from .chain import OWN, Vector, combine, lever, normal_angle, side_lever
 from .general import GeneralEquations
 from .joint_system import (
     BlockSystem,
-    alpha,
     blocks,
     collect_terms,
     constrained_equations,
@@ -45,7 +44,7 @@ from .joint_system import (
 )
 from .link_properties import INERTIAS, Rod
 from .polynomials import TIME
-from .symbols import Array, eta, i, m, n, omega, other, phi, s, xi
+from .symbols import Array, alpha, eta, i, m, n, omega, other, phi, s, xi
 from .tensions import TensionSystem
 
 

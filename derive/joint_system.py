@@ -36,9 +36,8 @@ from .symbols import Array, i, n, s
 # before it; the tension in link i over the mass of a link.
 lambda_x, lambda_y = IndexedBase("lambda_x", real=True), IndexedBase("lambda_y", real=True)
 tension = IndexedBase("tension", real=True)
-# Moment of springs and dampers on link i, and its angular acceleration.
+# Moment of springs and dampers on link i.
 link_moment = IndexedBase("link_moment", real=True)
-alpha = IndexedBase("alpha", real=True)
 # Without joint forces: angular acceleration of link i, and the acceleration of its ends towards
 # its centre of gravity; of the end after it alone, where they differ.
 free_alpha = IndexedBase("free_alpha", real=True)
@@ -119,7 +118,8 @@ def _sum_forces(forces: Iterable[Vector], unit: Expr) -> Vector:
 
 def weight_on(equations: GeneralEquations, mass: Expr) -> Vector:
     """Forces of the loads on a mass."""
-    return _sum_forces((load.weight(mass) for load in equations.loads.values()), S.One)
+    boundary, loads = equations.boundary_condition, equations.loads.values()
+    return _sum_forces((load.weight(mass, boundary) for load in loads), S.One)
 
 
 def moment_on(equations: GeneralEquations, link: Expr) -> Expr:

@@ -22,11 +22,13 @@ STARTS = {"x": joint_x, "y": joint_y, "vx": joint_vx, "vy": joint_vy}  # of the 
 
 @dataclass(frozen=True)
 class SensorPoint:
-    """A point at a share of a link, by its number; held: whether that link does not move."""
+    """A point at a share of a link, by its number; held: whether that link has no angle of its own;
+    still: whether it does not move."""
 
     link: int
     share: Expr
     held: bool = False
+    still: bool = False
 
     def measurement(self, what: str) -> Expr:
         """Angle, rate, a coordinate or a velocity of the point."""
@@ -34,7 +36,7 @@ class SensorPoint:
             return phi[self.link]
         if what == RATE:
             return omega[self.link]
-        if self.held and what in ("vx", "vy"):
+        if self.still and what in ("vx", "vy"):
             return S.Zero
         return STARTS[what][self.link] + _gain(what, self.link, self.share)
 
@@ -57,4 +59,5 @@ def _gain(what: str, link: Expr | int, share: Expr) -> Expr:
 def point_at(at: Expr, links: int, boundary: Boundary) -> SensorPoint:
     """The point at s = at: on the link that begins at a joint, at the tail on the last."""
     link = min(int(at * links), links - 1)
-    return SensorPoint(link, at * links - link, link < boundary.first)
+    held, still = (link < first for first in (boundary.first, boundary.first_in_motion))
+    return SensorPoint(link, at * links - link, held, still)

@@ -47,6 +47,8 @@ other = Symbol("other", integer=True, nonnegative=True)
 x0, y0, vx0, vy0 = symbols("x0 y0 vx0 vy0", real=True)
 phi = IndexedBase("phi", real=True)
 omega = IndexedBase("omega", real=True)
+# Angular acceleration of link i.
+alpha = IndexedBase("alpha", real=True)
 
 # Index of a joint; sums run over i (links), joint, s (springs).
 joint = Symbol("joint", integer=True, nonnegative=True)
@@ -55,6 +57,8 @@ joint = Symbol("joint", integer=True, nonnegative=True)
 # centre of gravity; the moment across a joint.
 joint_x, joint_y = IndexedBase("joint_x", real=True), IndexedBase("joint_y", real=True)
 joint_vx, joint_vy = IndexedBase("joint_vx", real=True), IndexedBase("joint_vy", real=True)
+# Acceleration of a joint, from those of the links before it.
+moved_ax, moved_ay = IndexedBase("moved_ax", real=True), IndexedBase("moved_ay", real=True)
 reach_x, reach_y = IndexedBase("reach_x", real=True), IndexedBase("reach_y", real=True)
 arm_x, arm_y = IndexedBase("arm_x", real=True), IndexedBase("arm_y", real=True)
 centre_x, centre_y = symbols("centre_x centre_y", real=True)

@@ -43,11 +43,12 @@ Part = tuple[Expr, Expr, Expr, Expr, Expr, Expr]
 @dataclass(frozen=True)
 class VariableMasses:
     """Masses of a rod, some of which change with time. own: whether those of the links do; bodies:
-    the bodies that do."""
+    the bodies that do; potentials: loads that have a potential, which leaving mass takes along."""
 
     equations: GeneralEquations
     own: bool
     bodies: Sequence[ChangingBody]
+    potentials: tuple[str, ...]
 
     @property
     def _has_bodies(self) -> bool:
@@ -116,7 +117,7 @@ class VariableMasses:
     @cached_property
     def power(self) -> Expr:
         """Power [W] that the rod gains by the change of its masses."""
-        quantities = Quantities(self.equations)
+        quantities = Quantities(self.equations, self.potentials)
         energies = Add.make_args(quantities.kinetic_energy + quantities.weight_energy)
         total = S.Zero
         for energy in energies:

@@ -34,7 +34,8 @@ def _key(one: Parameter) -> str:
     """The row of a key: its name, what it is, and its default."""
     value = one.documentation + LIMITS.get(one.rule, "")
     value += f"; {TIMED}" * (one.timed and not one.is_array)
-    default = "required" if one.default is None else f"{one.default:g}"
+    absent = "none" if one.optional else "required"
+    default = absent if one.default is None else f"{one.default:g}"
     key = f"`{one.key}`" if one.part is None else f"`{one.key}`, {('first', 'second')[one.part]}"
     if one.each == LINKS:
         value += "; a number, an expression in s and t, or n values, one for every link"

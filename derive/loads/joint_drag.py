@@ -116,12 +116,12 @@ class JointDrag(JointLoad):
     def start_force(self, link: Expr, boundary: Boundary) -> Vector:
         """Half the force of a joint, as that link is half of the rod gathered there; the whole at a
         start that moves, and the force of the wind at one that does not."""
-        first = Integer(boundary.first)
-        there = (
-            tuple(base[link] for base in self.bases)
-            if boundary.translates
-            else self._wind_on_held_start(first)
-        )
+        first, start = Integer(boundary.first), boundary.first_joint
+        if start < first:
+            x, y = (base[link] / 2 for base in self.bases)
+            return x, y
+        whole = tuple(base[link] for base in self.bases)
+        there = whole if start == first else self._wind_on_held_start(first)
         pairs = zip(there, self.bases, strict=True)
         x, y = (Piecewise((e, Eq(link, first)), (base[link] / 2, True)) for e, base in pairs)
         return x, y

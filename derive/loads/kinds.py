@@ -3,7 +3,7 @@
     PointForce    a force on a point of a link, dead or turning with the link (point_force.py)
     PointMoment   a moment on the link of a point, which has a potential (point_moment.py)
     LinkForce     a force on every link, at one share of each (link_force.py)
-    MassForce     a force on all mass, which has a potential
+    MassForce     a force on all mass, in proportion to it, which has a potential
     JointMoment   a moment across every joint, by the rates of the links that meet there
     JointDrag     a force on every joint that moves, by its velocity (joint_drag.py)
     Foundation    springs and dampers from every joint that moves to the ground (foundation.py)
@@ -64,7 +64,8 @@ class Load(ABC):
     """Base class of loads and kinds of damping; methods not overridden have no effect.
 
     letter: of its generalised forces, in proofs; by_velocity, by_position: it follows those of the
-    joints; array_name: what the arrays of its forces on joints are called after, by default its
+    joints; by_momentum: its power is its force on a unit of mass times the momentum of the rod;
+    array_name: what the arrays of its forces on joints are called after, by default its
     term.
     """
 
@@ -72,6 +73,7 @@ class Load(ABC):
     array_name = ""
     by_velocity = False
     by_position = False
+    by_momentum = False
 
     _term = ""
     _given = ""  # key of an optional parameter
@@ -140,7 +142,7 @@ class Load(ABC):
         """Generalised forces for any n; None for a moment across the joints."""
         return None
 
-    def weight(self, mass: Expr) -> Vector:
+    def weight(self, mass: Expr, boundary: Boundary) -> Vector:
         """Force on a mass [N]."""
         return NOTHING
 
@@ -187,7 +189,7 @@ class Load(ABC):
         return None
 
     def power(self, chain: GenericChain) -> Expr:
-        """Power [W] of a load without potential."""
+        """Power [W] of a load without potential that is not on mass."""
         raise NotImplementedError  # one with a potential has none
 
     def potential(self, chain: GenericChain) -> Expr:
@@ -221,27 +223,29 @@ class Load(ABC):
 class MassForce(Load):
     """A force on all mass that depends on nothing else."""
 
+    by_momentum = True
+
     def explicit_forces(self, chain: ExplicitChain) -> list[list[PolyElement]]:
-        fx, fy = (chain.calculus.poly(f) for f in self.weight(S.One))
+        fx, fy = (chain.calculus.poly(f) for f in self.weight(S.One, chain.boundary_condition))
         rows = [chain.virtual_work(point, (fx, fy)) for point in chain.link_points]
         return [[chain.integrate_over_link(e, link) for e in row] for link, row in enumerate(rows)]
 
     def generalised_forces(self, chain: GenericChain) -> GeneralisedForces:
-        force = self.weight(S.One)
+        force = self.weight(S.One, chain.boundary_condition)
         x, y = (chain.lever_moment([], []) * f for f in force)
         return GeneralisedForces((x, y), chain.angle_force_of_mass(force))
 
-    def potential_of_mass(self, mass: Expr, x: Expr, y: Expr) -> Expr:
+    def potential_of_mass(self, mass: Expr, boundary: Boundary, x: Expr, y: Expr) -> Expr:
         """Minus the work on a mass on its way from the origin [J]."""
-        force = self.weight(mass)
+        force = self.weight(mass, boundary)
         return -force[0] * x - force[1] * y
 
     def base_by_hand(self, rod: ClosedForm, value: Value) -> Pair:
-        x, y = (rod.total_mass * value(f) for f in self.weight(S.One))
+        x, y = (rod.total_mass * value(f) for f in self.weight(S.One, rod.boundary))
         return x, y
 
     def link_by_hand(self, rod: ClosedForm, i: Num, value: Value) -> Num:
-        x, y = map(value, self.weight(S.One))
+        x, y = map(value, self.weight(S.One, rod.boundary))
         along, across = rod.first_moment(i)
         return along * rod.force_moment(i, (x, y)) + across * rod.force_moment(i, (y, -x))
 
@@ -264,12 +268,13 @@ class JointMoment(Load):
         return rows
 
     def moments(self, chain: GenericChain) -> AtSprings:
-        """Moments on the link, or the clamp of the tail, after each joint; clamps do not turn."""
-        return chain.at_springs(self.moment, omega, S.Zero)
+        """Moments on the link, or the clamp of the tail, after each joint."""
+        return chain.at_springs(self.moment, omega)
 
     def power(self, chain: GenericChain) -> Expr:
         inner, root, tail = self.moments(chain)
-        ends = root * omega[0] - tail * omega[n - 1]
+        held = chain.base_motion.angle[1]
+        ends = root * (omega[0] - held) - tail * (omega[n - 1] - held)
         return ends + Sum(inner * (omega[s] - omega[s - 1]), (s, 1, n - 1))
 
     @abstractmethod

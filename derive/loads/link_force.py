@@ -42,7 +42,7 @@ class LinkForce(JointLoad):
         own = trigsimp(expand(chain.angle_force(self.force(phi[i], i))))
         lean = chain.angle_force(force_from(i + 1)) + self.share * own
         return GeneralisedForces(
-            force_from(chain.boundary_condition.first), chain.joint_lever * lean
+            force_from(chain.boundary_condition.first_in_motion), chain.joint_lever * lean
         )
 
     def _force_at_joint(self, at: Expr, before: Expr | None, after: Expr | None) -> Vector:
@@ -82,7 +82,7 @@ class LinkForce(JointLoad):
         return x, y
 
     def base_by_hand(self, rod: ClosedForm, value: Value) -> Pair:
-        return self._force_from(rod, rod.boundary.first, value)
+        return self._force_from(rod, rod.boundary.first_in_motion, value)
 
     def link_by_hand(self, rod: ClosedForm, i: Num, value: Value) -> Num:
         own = rod.force_moment(i, self.force_by_hand(rod, i, value))

@@ -35,7 +35,7 @@ class PointMoment(PointLoad):
     def _acts(self, boundary: Boundary) -> bool:
         """Whether its link moves."""
         link = self.point.link
-        return not (link.is_Integer and link < boundary.first)
+        return not (link.is_Integer and link < boundary.first_in_motion)
 
     def explicit_forces(self, chain: ExplicitChain) -> list[list[PolyElement]]:
         poly, diff = chain.calculus.poly, chain.calculus.diff
@@ -74,5 +74,5 @@ class PointMoment(PointLoad):
     def potential_by_hand(self, rod: ClosedForm, value: Value) -> Num:
         """-M phi of the link, of one that is held nothing."""
         link = int(self.point.link.subs(n, rod.n))
-        moves = int(link >= rod.boundary.first)
+        moves = int(link >= rod.boundary.first_in_motion)
         return -moves * value(self.moment) * rod.phi[link]

@@ -113,7 +113,8 @@ class Supports(JointLoad):
             (x[i], y[i])
         )
         return GeneralisedForces(
-            force_from(chain.boundary_condition.first), chain.joint_lever * lean + turn[i]
+            force_from(chain.boundary_condition.first_in_motion),
+            chain.joint_lever * lean + turn[i],
         )
 
     def link_moment(self, link: Expr, boundary: Boundary) -> Expr:
@@ -155,17 +156,19 @@ class Supports(JointLoad):
     def power(self, chain: GenericChain) -> Expr:
         motion = self._motion(i, i, self.share[i])
         pairs = zip(self.damper_forces(motion), motion.velocity, strict=True)
-        return Sum(sum(f * v for f, v in pairs), (i, chain.boundary_condition.first, n - 1))
+        power = sum(f * v for f, v in pairs)
+        return Sum(power, (i, chain.boundary_condition.first_in_motion, n - 1))
 
     def energy(self, chain: GenericChain) -> Expr:
         stored = self.spring_energy(self._motion(i, i, self.share[i]))
-        return Sum(stored, (i, chain.boundary_condition.first, n - 1))
+        return Sum(stored, (i, chain.boundary_condition.first_in_motion, n - 1))
 
     # Assembled by hand ------------------------------------------------------------------------
 
     def base_by_hand(self, rod: ClosedForm, value: Value) -> Pair:
         x, y, _ = (
-            rod.total(value(base), rod.boundary.first, rod.n - 1) for base in self.force_arrays
+            rod.total(value(base), rod.boundary.first_in_motion, rod.n - 1)
+            for base in self.force_arrays
         )
         return x, y
 

@@ -19,7 +19,6 @@ from ..loads.joint_drag import JointDrag, JointMotion, divisor, length_at, mass_
 from ..loads.kinds import JointMoment, Load
 from ..loads.point_force import PointLoad
 from ..symbols import (
-    ALPHA,
     HALF,
     PARAMETERS,
     discretisation,
@@ -89,7 +88,7 @@ def _matrices(derived: GeneralEquations, closed: ClosedForm) -> dict[str, Pairs]
         Q += zip(derived.velocity_base_link, closed.Q_base_link(i), strict=True)
     K = _bending_pairs(
         *(derived, derived.springs, phi, closed),
-        *(closed.spring_stiffness, ALPHA, closed.rest_moment),
+        *(closed.spring_stiffness, derived.base_motion.clamp_angle, closed.rest_moment),
     )
     steps: Pairs = []
     by_hand = (*closed.joint_step(i), *closed.velocity_step(i, omega[i]))
@@ -104,7 +103,8 @@ def _load_pairs(derived: GeneralEquations, closed: ClosedForm, load: Load) -> Pa
     on those next to it."""
     if isinstance(load, JointMoment):
         factor = partial(load.coefficient_by_hand, closed, _identity)
-        return _bending_pairs(derived, load.moments(derived), omega, closed, factor, S.Zero)
+        turning = derived.base_motion.angle[1]
+        return _bending_pairs(derived, load.moments(derived), omega, closed, factor, turning)
     work = load.generalised_forces(derived)
     assert work is not None
     links = [i]
@@ -191,7 +191,7 @@ def _compare_drag_law(derived: GeneralEquations, load: JointDrag) -> Comparison:
         "tail": (S.Half, phi[n - 1], n),
         "start": (S.Half, phi[0], Integer(0)),
     }
-    if not derived.boundary_condition.translates:
+    if derived.boundary_condition.first_joint:
         del places["start"]
     # At rest both forms have no force; in motion the divisor is the speed.
     (speed, _), _ = arrays[divisor].value.args

@@ -10,7 +10,7 @@ import sympy
 from sympy import IndexedBase, Sum
 from sympy.polys.rings import PolyElement
 
-from rodgen.model.rod import BOUNDARIES
+from rodgen.model.terms import MOVING_BASE, boundary_of
 
 from ..closed_form import Arithmetic, ClosedForm, link_masses
 from ..comparison import EXPLICIT, Comparison, DisagreementError
@@ -60,7 +60,8 @@ def prove_explicit(
     )
     if "rest" in nonuniform:
         yield compare("r", [[e] for e in derived.rest_moments], [[e] for e in closed.rest()])
-    yield _compare_joints(derived, GeneralEquations(boundary, inertia, ()))
+    at_base = tuple(term for term in terms if term.partition("@")[0] == MOVING_BASE)
+    yield _compare_joints(derived, GeneralEquations(boundary, inertia, at_base))
     value = _Value(derived)
     for term, load in loads_of(terms).items():
         column = derived.load(term)
@@ -85,6 +86,7 @@ class _Value:
         if isinstance(of, IndexedBase):
             elements = (e for e in calculus.meaning if e.is_Indexed and e.base == of)
             return {int(e.indices[0]): calculus.generator[e] for e in elements}
+        of = self._derived.given.get(of, of)
         if sympy.cos(of) in calculus.generator:
             return exact.Angle(calculus.poly(sympy.cos(of)), calculus.poly(sympy.sin(of)))
         return calculus.poly(of.subs(n, self._derived.n).xreplace(self._angles))
@@ -99,7 +101,7 @@ def _closed_form(derived: ExplicitDerivation) -> ClosedForm:
         return sum((term(q) for q in range(low, high + 1)), start=calculus.zero)
 
     polynomials = Arithmetic(exact.cos, exact.sin, poly(HALF), total)
-    boundary_condition = BOUNDARIES[derived.boundary]
+    boundary_condition = boundary_of(derived.boundary, derived.terms)
     sizes = (poly(m), poly(l), poly(k))
     lumped = derived.inertia == "lumped"
     joints = dict(zip(boundary_condition.spring_joints(derived.n), derived.joints, strict=True))
@@ -178,7 +180,7 @@ def _compare_step(
     names = {str(q.func): q for q in derived.base}
     rates = {f"v{name}": q.diff(TIME) for name, q in names.items()}
     here = {symbol: {**names, **rates}.get(str(symbol)) for symbol in expression.free_symbols}
-    at = {symbol: q for symbol, q in here.items() if q is not None}
+    at = {symbol: q for symbol, q in here.items() if q is not None} | derived.given
     if link >= 0:
         at |= {phi[i]: derived.angles[link], omega[i]: derived.angles[link].diff(TIME)}
     there = derived.calculus.poly(expression.xreplace(at).subs({i: link, n: derived.n}))

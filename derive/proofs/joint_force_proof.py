@@ -19,11 +19,11 @@ from ..comparison import JOINTS, Comparison, DisagreementError
 from ..explicit import ExplicitDerivation
 from ..general import GeneralEquations
 from ..joint_force_system import joint_system
-from ..joint_system import BlockSystem, alpha, link_moment
+from ..joint_system import BlockSystem, link_moment
 from ..link_properties import joint_stiffness, link_parameters, rest_angle
 from ..loads import TERMS
 from ..polynomials import TIME
-from ..symbols import ALPHA, PARAMETERS, Array, i, k, l, m, n, omega, phi
+from ..symbols import ALPHA, PARAMETERS, Array, alpha, i, k, l, m, n, omega, phi
 from .exact import TURNED, Angle, evaluate, pythagorean
 
 
@@ -76,9 +76,14 @@ class _Point:
             turned |= {x: self._direction() for x in load.angles}
             for base in load.per_link:
                 self.values[base] = [self._number() for _ in range(links)]
-            self.values |= {x: self._number() for x in load.parameters if x not in load.angles}
+            self.values |= {x: self._number() for x in load.parameters}
             for base in load.force_arrays:
                 self.values[base] = [self._number() for _ in range(links + 1)]
+        motion = equations.base_motion
+        for q in held:
+            angles[q] = evaluate(motion.clamp_angle, self.values)
+            rates[q] = evaluate(motion.angle[1], self.values)
+            self.directions[q] = evaluate(motion.clamp_angle, turned)
         self.values[TURNED] = turned
 
     def _number(self) -> Fraction:
@@ -144,6 +149,7 @@ class _Point:
         loads = [one.load(name) for name in self.equations.loads]
         moving = values[omega][self.equations.boundary_condition.first :]
         known = {ALPHA: values[ALPHA], **dict(zip(one.angles, values[phi], strict=True))}
+        known |= {q: evaluate(course[0], values) for q, course in one.courses.items()}
         bent = [known[angle] for angle in one.spring_angles]
         for row, name in enumerate(one.coordinates):
             total = self._dot(one.mass_matrix[row], accelerations)
@@ -180,6 +186,10 @@ class _Point:
             known |= {cos(angle): direction.c, sin(angle): direction.s}
         known |= dict(zip(one.angles, values[phi], strict=True))
         known |= {a.diff(TIME): w for a, w in zip(one.angles, values[omega], strict=True)}
+        known |= {q: evaluate(of, values) for of, q in one.given.items()}
+        if (held := one.given.get(one.motion.clamp_angle)) is not None:
+            direction = evaluate(one.motion.clamp_angle, values[TURNED])
+            known |= {cos(held): direction.c, sin(held): direction.s}
         # Forces of drag, and what differs along the rod.
         differing = [e for e in one.calculus.meaning if e.is_Indexed and e.base in values]
         known |= {e: values[e.base][int(e.indices[0])] for e in differing}

@@ -71,6 +71,7 @@ class _Points:
                 self.values[base] = [self.draw.randint(-99, 99) for _ in range(links + 1)]
         self.values |= {x: self._rational() for x in sorted(numbers, key=str)}
         self.values |= {x: self.draw.choice(palette) for x in sorted(angles, key=str)}
+        self.values[ALPHA] = self.draw.choice(palette)
         sizes = (self.values[m], self.values[l], self.values[k])
         lumped = derived.inertia == "lumped"
         of_joints = []
@@ -118,7 +119,8 @@ class _Points:
             if isinstance(load, JointMoment):
                 if joined:
                     damping = partial(load.coefficient_by_hand, closed, self._value)
-                    entries = self._bending_entries(load.moments(derived), omega, damping)
+                    turning = derived.base_motion.angle[1] or None
+                    entries = self._bending_entries(load.moments(derived), omega, damping, turning)
                     yield self._compare_entries(load.letter, entries)
             else:
                 yield self._compare_entries(load.letter, self._load_entries(load))
@@ -185,8 +187,8 @@ class _Points:
         clamp: Symbol | None = None,
     ) -> Iterator[Entry]:
         """Coefficients of the three links that bend a link, from the moments at its ends; factor:
-        coefficient of a joint of a size in the closed form; clamp: angle before the first link and
-        behind the last, unless it is zero."""
+        coefficient of a joint of a size in the closed form; clamp: angle or rate before the first
+        link and behind the last, unless it is zero."""
         last = self.closed.n - 1
         for a in self.rows:
             here = self._moment_on_link(a, moments, of)
@@ -216,6 +218,7 @@ class _Points:
         by_hand = self.closed.rest()[2 * self.derived.boundary_condition.translates :]
         for a in self.rows:
             here = self._moment_on_link(a, self.derived.springs, phi)
-            angles = dict.fromkeys((phi[i - 1], phi[i], phi[i + 1], ALPHA), 0)
+            held = self.derived.base_motion.clamp_angle.free_symbols
+            angles = dict.fromkeys((phi[i - 1], phi[i], phi[i + 1], *held), 0)
             hand = by_hand[a - self.closed.links[0]]
             yield f"phi_{a}", here.xreplace(angles), {i: a}, hand

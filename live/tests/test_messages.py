@@ -171,7 +171,7 @@ def test_trail_of_a_page_that_does_not_answer_stays_short(run: Stepped, changing
 def test_every_load_that_a_page_draws_is_told(
     make_scene: Callable[..., Scene], terms: tuple[str, ...], links: int
 ) -> None:
-    """Against the module: a force for each joint, gravity beside the centre of gravity."""
+    """Against the module: a force for each joint, of gravity the acceleration."""
     scene = make_scene(links, terms=terms)
     model, system = rodgen.build(scene, "numpy"), rodgen.System(scene)
     y, p = scene.initial_state()[None], model.parameters(**scene.parameters)
@@ -181,7 +181,7 @@ def test_every_load_that_a_page_draws_is_told(
     assert len(drawn) >= 2
     for name, term in drawn.items():
         if elements.ARROWS[term.kind] == "mass":
-            assert arrays["point"][3] == pytest.approx(9.81)
+            assert arrays[f"forces:{name}"] == pytest.approx([0.0, -9.81])
         elif elements.ARROWS[term.kind] == "link":  # at the tail
             told = [*model.joints(y[0], p)[-1] - origin, 5.0]
             assert arrays[f"couple:{name}"] == pytest.approx(told, rel=1e-6)

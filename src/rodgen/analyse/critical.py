@@ -173,7 +173,8 @@ class Critical(StateResult, Plottable):
     @property
     def _scaled_parameters(self) -> tuple[str, ...]:
         term = find_term(self.load)
-        return () if term is None else tuple(one.name for one in term.size_parameters)
+        rows = self.scene.structure.load_rows
+        return () if term is None else tuple(one.name for one in rows[term.name].size_parameters)
 
     @property
     def _parameter(self) -> dict[str, str]:

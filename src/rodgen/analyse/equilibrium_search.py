@@ -26,7 +26,9 @@ from rodgen.analyse.steady_rod import SteadyRod, Unknowns
 from rodgen.analyse.support_springs import hanging_shape
 from rodgen.arrays import Array
 from rodgen.errors import AnalysisError
-from rodgen.model.term import COUPLE, DRAG, FORCE, WEIGHT, Term
+from rodgen.integrate.quantity_formulas import MotionSlice
+from rodgen.integrate.weights import falls_of
+from rodgen.model.term import COUPLE, DRAG, FORCE, Term
 from rodgen.model.terms import TERMS
 
 MOST_BENT = 1.0  # rad of an imperfection
@@ -225,12 +227,11 @@ def _dead_load(rod: SteadyRod, p: Array) -> Array:
     none."""
     y = rod.state_at_rest(rod.unknowns_at_rest(rod.unloaded_angles, strict=False))
     acting = rod.model.forces(rod.t, y, p)
-    places, pull = rod.scene.structure.slices, np.zeros(2)
-    for term in map(TERMS.__getitem__, rod.scene.loads.terms):
-        if term.kind == FORCE and not term.follows:
-            pull += acting[term.name].sum(axis=0)
-        elif term.kind == WEIGHT:
-            pull[1] -= p[places[term.size_parameters[0].name]].item() * rod.scene.mass
+    dead = [x for x in acting if TERMS[x].kind == FORCE and not TERMS[x].follows]
+    pull = sum((acting[name].sum(axis=0) for name in dead), np.zeros(2))
+    here = MotionSlice(rod.model, p, y, np.asarray(rod.t))
+    falls = falls_of(here, rod.scene.structure.terms)
+    pull += sum(falls.values(), np.zeros(2)) * rod.scene.mass
     if not pull.any():
         raise AnalysisError(
             "no equilibrium found: nothing gives a rod without gravity or tip load its direction"

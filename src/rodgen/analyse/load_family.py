@@ -290,8 +290,9 @@ def load_family(
     check_analysis_memory(CRITICAL, system)
     system, t = state_after(system, t, speed, after)
     load = default_load(system) if load is None else load
-    term, law = find_term(load), None
-    if term and term.name in system.load_terms and term.has_size:
+    named, law = find_term(load), None
+    term = system.structure.load_rows.get(named.name) if named else None
+    if term and term.has_size:
         # Its size is not used by what follows; one that is a function of time is no parameter.
         name = term.size_parameters[0].name
         law = system.expressions.get(name)

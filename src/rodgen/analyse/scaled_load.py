@@ -83,9 +83,9 @@ class ScaledLoad:
     def of(cls, name: str, rod: SteadyRod) -> ScaledLoad:
         """Set up a load of a rod. One with a single size, such as a follower force [N] or gravity
         [m/s^2], may have any size in the scene; one of several components, such as a dead force
-        [N], keeps the scene's direction; one with a number for every link becomes a force [N] on
-        the whole rod, distributed as in the scene; a group becomes a multiple of the scene's loads.
-        Raises InputError for a load that the scene lacks."""
+        [N] or a vector of gravity, keeps the scene's direction; one with a number for every link
+        becomes a force [N] on the whole rod, distributed as in the scene; a group becomes a
+        multiple of the scene's loads. Raises InputError for a load that the scene lacks."""
         scene, term = rod.scene, find_term(name)
         along = scene.distribution
         if along.mean_stiffness == 0:
@@ -93,7 +93,7 @@ class ScaledLoad:
         if scene.has_no_tangent_stiffness:
             allowed = "of a slope above 0 at d = 0: a straight rod bears no thrust"
             raise InputError("rod.spring", scene.rod.spring, allowed)
-        every = [TERMS[one] for one in scene.loads.terms]
+        every = [scene.structure.load_rows[one] for one in scene.loads.terms]
         terms = [row for row in every if row.name == term.name] if term else every
         if name == FOLLOWERS:
             terms = [row for row in every if row.follows]
@@ -110,8 +110,9 @@ class ScaledLoad:
             found = ", ".join((*(row.name for row in every if row.size_parameters), *GROUPS))
             raise InputError(place, Missing(), f"given: its size is asked for (there is {found})")
         force = along.mean_stiffness / scene.rod.length**2
-        if term and term.has_size:
-            unit = force / _force_per_size(term, scene)
+        per_size = _force_per_size(term, scene) if term and not term.is_distributed else 1.0
+        unit = force / per_size
+        if term and terms[0].has_size:
             (own,) = (float(value) for value, _ in here.values())
             return cls(name, dict.fromkeys(here, 1.0), unit, unit, own)
         forces = [np.abs(value).sum() * per_size for value, per_size in here.values()]
@@ -119,9 +120,9 @@ class ScaledLoad:
             raise InputError(place, 0.0, "not zero: its direction is that of the scene")
         parts = {key: value for key, (value, _) in here.items()}
         if term:
-            size = float(np.hypot.reduce(forces))
+            size = float(np.hypot.reduce(forces)) / per_size
             parts = {key: value / size for key, value in parts.items()}
-            return cls(name, parts, force, force, size)
+            return cls(name, parts, unit, unit, size)
         return cls(name, parts, force / float(sum(forces)), 1.0, 1.0)
 
 

@@ -9,6 +9,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from functools import partial
 from types import ModuleType
 from typing import Any
 
@@ -16,7 +17,8 @@ import mpmath
 import numpy as np
 from mpmath import mpf
 
-from rodgen.check.reference_equations import ReferenceEquations
+from rodgen.check.reference_equations import FUNCTIONS, ReferenceEquations
+from rodgen.derive.base_motion import ORDERS
 from rodgen.errors import InputError
 from rodgen.loading.generated_module import call_module, structure_of
 from rodgen.memory import check_memory
@@ -178,12 +180,31 @@ def _link_means(module: ModuleType, values: dict[str, Any], t: float) -> dict[st
     return found
 
 
+def _base_derivatives(module: ModuleType, values: dict[str, Any], t: float) -> dict[str, Any]:
+    """Derivatives at a time of what moves the base, by differences in the present precision; of a
+    table, which is known in doubles alone, by its own slopes."""
+    structure, found = structure_of(module), {}
+    for name in structure.base_parameters:
+        e = structure.open_expressions.get(name)
+        e = e.with_values(values) if e else None
+        for order, word in enumerate(ORDERS[1:], start=1):
+            if e is None:
+                value = mpf(0)
+            elif e.has_table:
+                value = mpf(float(e.derivative(t, {}, order)))
+            else:
+                exact = partial(e.evaluate, signals={}, functions=FUNCTIONS)
+                value = mpmath.diff(lambda at, of=exact: mpf(0) + of(at), t, order)
+            found[f"{name}{word}"] = value
+    return found
+
+
 def assemble(
     module: ModuleType, values: dict[str, Any], t: float, y: np.ndarray
 ) -> ReferenceEquations:
     """The hand-assembled equations with parameters of the module, at a time and a state."""
     structure, given = structure_of(module), values | _load_values(module, values, t)
-    given |= _link_means(module, values, t)
+    given |= _link_means(module, values, t) | _base_derivatives(module, values, t)
     if structure.masses:
         exact = ReferenceEquations(module, given | link_parameters_at(structure, values, t), y)
         gained = ReferenceEquations(
@@ -211,17 +232,18 @@ def _compare(
         )
         yield "energy", _vector_error(call_module(module, "energy", t, y, p), exact.energy())
         if hasattr(module, "power"):
-            power, by_hand = module.power(t, y, p), exact.power()
+            power, by_hand = call_module(module, "power", t, t, y, p), exact.power()
             yield "power", _vector_error([power[x] for x in power], [by_hand[x] for x in power])
         joints = [c for joint in exact.joints() for c in joint]
-        yield "joints", _vector_error(module.joints(y, p).ravel(), joints)
+        found = call_module(module, "joints", t, y, p)
+        yield "joints", _vector_error(found.ravel(), joints)
         centre = exact.centre_of_gravity()
         found = call_module(module, "centre_of_gravity", t, y, p)
         yield "centre of gravity", _vector_error(found, centre)
         yield "inertia", _vector_error(call_module(module, "inertia", t, y, p), exact.inertia())
         yield (
             "bending moments",
-            _vector_error(module.bending_moments(y, p), exact.bending_moments()),
+            _vector_error(call_module(module, "bending_moments", t, y, p), exact.bending_moments()),
         )
         acting = exact.forces()
         if acting:

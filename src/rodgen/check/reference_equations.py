@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from bisect import bisect_right
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from functools import cached_property, partial
 from itertools import pairwise
 from types import ModuleType
@@ -13,6 +14,7 @@ import numpy as np
 from mpmath import mp, mpf, mpmathify
 from sympy import Dummy, Indexed, IndexedBase, Symbol, lambdify
 
+from rodgen.derive.base_motion import ORDERS
 from rodgen.derive.closed_form import Arithmetic, ClosedForm, LinkMasses, link_masses, link_sizes
 from rodgen.derive.loads import loads_of
 from rodgen.derive.loads.foundation import Foundation
@@ -25,7 +27,7 @@ from rodgen.derive.symbols import bend, k, l, m, n, phi
 from rodgen.emit.spring_expression import law_of
 from rodgen.loading.generated_module import structure_of
 from rodgen.model.rod import BOUNDARIES
-from rodgen.model.terms import EMPTYING, PARAMETERS
+from rodgen.model.terms import EMPTYING, MOVING_BASE, PARAMETERS
 from rodgen.scene import grammar, spring_law
 from rodgen.scene.expression import Expression
 from rodgen.scene.grammar import LINEAR, TABLE, Sensor, TableData
@@ -53,6 +55,16 @@ FUNCTIONS = {name: getattr(mp, name) for name in grammar.FUNCTIONS if hasattr(mp
 FUNCTIONS |= {TABLE: _table}
 
 
+def base_by_hand(number: Mapping[str, Any]) -> tuple[Any, ...]:
+    """Place, velocity and acceleration of what holds a rod, each (x, y), and the angle of its clamp
+    over clamp_angle with its two derivatives; zero for what is not among the numbers."""
+    x, y, angle = (
+        [number.get(f"{MOVING_BASE}_{key}{order}", mpf(0)) for order in ORDERS]
+        for key in ("x", "y", "angle")
+    )
+    return *zip(x, y, strict=True), *angle
+
+
 class ReferenceEquations:
     """The hand-assembled equations of a module at one state, in mpmath numbers of the present
     precision. emptying: power of masses that change with time, where there are any."""
@@ -62,7 +74,7 @@ class ReferenceEquations:
     def __init__(self, module: ModuleType, values: dict[str, Any], y: np.ndarray):
         self.n, self.acting = module.N, loads_of(module.TERMS)
         self.structure = structure_of(module)
-        boundary = BOUNDARIES[module.BOUNDARY]
+        boundary = self.structure.boundary_condition
         number: dict[str, Any] = {
             name: [mpmathify(v) for v in value] if np.ndim(value) else mpmathify(value)
             for name, value in values.items()
@@ -82,10 +94,11 @@ class ReferenceEquations:
         self.rates: list[Any] = []
         held = boundary.first
         self.u, self.boundary = u, boundary
-        self.origin = (q[0], q[1]) if base else (mpf(0), mpf(0))
-        self.v0 = (u[0], u[1]) if base else (mpf(0), mpf(0))
-        self.phi = [number["clamp_angle"]] * held + q[base:] if held else q[base:]
-        self.omega = [mpf(0)] * held + u[base:]
+        self.base = base_by_hand(number)
+        self.origin, self.v0 = ((q[0], q[1]), (u[0], u[1])) if base else self.base[:2]
+        self.clamp = [number.get("clamp_angle", 0) + self.base[3], *self.base[4:]]
+        self.phi = [self.clamp[0]] * held + q[base:]
+        self.omega = [self.clamp[1]] * held + u[base:]
         self.lumped = module.INERTIA == "lumped"
         sizes = self.n, self.m, self.l, self.k, self.phi
         half, nonuniform = FIFTY_DIGITS.half, getattr(module, "NONUNIFORM", ())
@@ -96,7 +109,7 @@ class ReferenceEquations:
         root, tail = (
             [size] if size else [] for size in (self.closed.root_size, self.closed.tail_size)
         )
-        clamp = [number["clamp_angle"]] if boundary.is_clamped else []
+        clamp = [self.clamp[0]] if boundary.is_clamped else []
         self.bent = clamp * len(root) + self.phi + clamp * len(tail)
         inner = (*root, *[1] * (self.n - 1), *tail)
         self.stiffness = list(map(self.closed.spring_stiffness, joints, inner))
@@ -149,7 +162,30 @@ class ReferenceEquations:
             return load.column_by_hand(self.closed, self.value)
         factor = partial(load.coefficient_by_hand, self.closed, self.value)
         matrix = self.closed.damping(factor)
-        return [-e for e in _matrix_vector(matrix, self.omega[self.boundary.first :])]
+        found = [-e for e in _matrix_vector(matrix, self.omega[self.boundary.first :])]
+        rows = 2 * self.boundary.translates, -1
+        for row, (at, size) in zip(rows, self._held_joints, strict=True):
+            found[row] += factor(at, size) * self.clamp[1] if size else 0
+        return found
+
+    @property
+    def _held_joints(self) -> tuple[tuple[int, int], tuple[int, int]]:
+        """Joints between what moves and a clamp, or a held link, at the start and at the tail, each
+        with the size of its spring."""
+        first = self.boundary.first
+        start = 1 if first else self.closed.root_size
+        return (first, start), (self.n, self.closed.tail_size)
+
+    def _damper_moments(self, load: JointMoment) -> list[Any]:
+        """Moments of a load in all joints on the link before; zero where there is none."""
+        root, tail = self.closed.root_size, self.closed.tail_size
+        sizes = [root, *[1] * (self.n - 1), tail]
+        rates = [self.clamp[1], *self.omega, self.clamp[1]]
+        factor = partial(load.coefficient_by_hand, self.closed, self.value)
+        return [
+            factor(at, size) * (after - before) if size else mpf(0)
+            for at, (size, (before, after)) in enumerate(zip(sizes, pairwise(rates), strict=True))
+        ]
 
     def value(self, of: Any) -> Any:
         """A parameter, forces at the joints, or an expression in parameters and angles."""
@@ -200,7 +236,8 @@ class ReferenceEquations:
                 s: self._joint_motion(load, s) for s in range(self.boundary.first_joint, self.n + 1)
             }
         if isinstance(load, Supports):
-            return {q: self._link_motion(load, q) for q in range(self.boundary.first, self.n)}
+            first = self.boundary.first_in_motion
+            return {q: self._link_motion(load, q) for q in range(first, self.n)}
         return {}
 
     @cached_property
@@ -235,7 +272,7 @@ class ReferenceEquations:
         return total / 2
 
     def energy(self) -> list[Any]:
-        kinetic = _dot(self.u, _matrix_vector(self.closed.M(), self.u)) / 2
+        kinetic = _dot(self._rates, _matrix_vector(self._whole.M(), self._rates)) / 2
         spring = mp.fsum(self._spring_energy(k, b) for k, b in self._springs())
         anchors = (load for load in self.acting.values() if load.by_position)
         spring += mp.fsum(map(self._anchor_energy, anchors))
@@ -243,9 +280,21 @@ class ReferenceEquations:
         potential = mp.fsum(one.potential_by_hand(self.closed, self.value) for one in others)
         return [kinetic, spring, self.weight_energy() + potential]
 
+    @cached_property
+    def _whole(self) -> ClosedForm:
+        """The rod, free where its base moves: what that does is among its coordinates."""
+        free = BOUNDARIES["free"]
+        return replace(self.closed, boundary=free) if self.boundary.moves else self.closed
+
+    @property
+    def _rates(self) -> list[Any]:
+        """Rates of the coordinates of the rod, those of a base that moves included."""
+        return [*self.v0, *self.omega] if self.boundary.moves else self.u
+
     def weight_energy(self) -> Any:
-        """Energy of the loads on mass."""
-        masses = [load for load in self.acting.values() if isinstance(load, MassForce)]
+        """Energy of the loads on mass that have a potential."""
+        loads = (self.acting[name] for name in self.structure.potentials)
+        masses = [load for load in loads if isinstance(load, MassForce)]
         weights = [load.base_by_hand(self.closed, self.value) for load in masses]
         # What is lost of tanks that are empty has neither weight nor centre.
         X, Y = self.centre_of_gravity() if any(map(any, weights)) else (mpf(0), mpf(0))
@@ -387,13 +436,51 @@ class ReferenceEquations:
         return [*([fx, fy] if self.boundary.translates else []), *turning[self.boundary.first :]]
 
     def power(self) -> dict[str, Any]:
-        power = {term: _dot(force, self.u) for term, force in self.loads().items()}
+        power = {term: self._power_by_hand(load) for term, load in self.acting.items()}
         for term, load in self.acting.items():
             if isinstance(load, Foundation | Supports):  # of its dampers
                 motions = self._motions(load).values()
                 forces = ((m, load.damper_by_hand(m, self.value, mp)) for m in motions)
                 power[term] = mp.fsum(_dot(force, m.velocity) for m, force in forces)
+        if self.boundary.moves:
+            power[MOVING_BASE] = self._base_power()
         return power if self.emptying is None else power | {EMPTYING: self.emptying}
+
+    def _power_by_hand(self, load: Load) -> Any:
+        """Power of the force of a load: times the rates of all that moves."""
+        if isinstance(load, JointMoment):
+            rates = [self.clamp[1], *self.omega, self.clamp[1]]
+            moments = zip(self._damper_moments(load), pairwise(rates), strict=True)
+            return -mp.fsum(moment * (after - before) for moment, (before, after) in moments)
+        if not self.boundary.moves or load.term == MOVING_BASE:
+            return _dot(load.column_by_hand(self.closed, self.value), self.u)
+        return _dot(self._whole_column(load), self._rates)
+
+    def _whole_column(self, load: Load) -> list[Any]:
+        """Generalised forces of a load on a rod that is free where its base moves."""
+        links = (load.link_by_hand(self.closed, q, self.value) for q in range(self.n))
+        return [*load.base_by_hand(self.closed, self.value), *links]
+
+    def _base_power(self) -> Any:
+        """Power of what holds the rod: what is missing in the rows of its coordinates, times their
+        rates; of a clamp by a spring its moment times its rate."""
+        accelerations = self.rhs()[len(self.u) :][: len(self.u)]
+        growth = [self.clamp[2]] * self.boundary.first
+        inertia = _matrix_vector(self._whole.M(), [*self.base[2], *growth, *accelerations])
+        inertia = [
+            a - b
+            for a, b in zip(
+                inertia, _matrix_vector(self._whole.Q(), [w**2 for w in self.omega]), strict=True
+            )
+        ]
+        moments = self.bending_moments()
+        for load in self.acting.values():
+            if isinstance(load, JointMoment):
+                moments = _add(moments, self._damper_moments(load))
+            elif load.term != MOVING_BASE:
+                inertia = [a - b for a, b in zip(inertia, self._whole_column(load), strict=True)]
+        holding = inertia[2] - moments[1] if self.boundary.first else -moments[0]
+        return _dot(inertia[:2], self.v0) + holding * self.clamp[1]
 
 
 def _matrix_vector(matrix: list[list[Any]], vector: Sequence[Any]) -> list[Any]:

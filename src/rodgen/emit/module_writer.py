@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Iterable, Mapping
+from collections.abc import Collection, Iterable, Mapping
 from functools import cache
 from importlib.metadata import version
 from importlib.resources import files
@@ -13,20 +13,21 @@ import sympy
 from jinja2 import DictLoader, Environment, StrictUndefined
 
 from rodgen.emit.forces import force_places
-from rodgen.emit.masses import IN_TIME, Masses
+from rodgen.emit.masses import Masses, functions_in_time
 from rodgen.emit.outputs import Functions
 from rodgen.emit.program import AnalysedFunction
 from rodgen.emit.statements import PAIR, Program
 from rodgen.emit.targets import TARGETS, check_output, required_parts, target_of
-from rodgen.model.rod import NONUNIFORM
+from rodgen.model.rod import CLAMP_ANGLE, NONUNIFORM
 from rodgen.model.term import JOINTS, KNOTS, POSITIVE, Parameter
-from rodgen.model.terms import TERMS
+from rodgen.model.terms import BASE_ROWS, TERMS
 from rodgen.progress import EMITTING, report_stage
 from rodgen.scene.grammar import NUMPY
 from rodgen.scene.structure import Structure
 
 GUARD = "tests/reference.py"
 
+ANGLE = next(one.name for one in BASE_ROWS if one.is_angle)
 NO_ENERGY = "np.zeros_like(kinetic)"  # the contract has three energies, whatever the scene
 
 
@@ -137,7 +138,7 @@ def _context(
         "structure_hash": structure.hash,
         "operations": {name: programs[name].operations for name in sorted(programs)},
     }
-    moving = n - boundary_condition.first
+    moving, in_time = n - boundary_condition.first, functions_in_time(structure)
     laws = (*structure.laws.values(), *structure.open_masses.values())
     texts = structure.open_expressions | structure.open_along
     size = moving + 2 * boundary_condition.translates
@@ -152,7 +153,7 @@ def _context(
         "banner": _banner(provenance, form),
         "n": n,
         "first": first,
-        "held": first > 0,
+        **_time_context(structure),
         "base": 2 * boundary_condition.translates,
         "moving": moving,
         "size": size,
@@ -187,8 +188,8 @@ def _context(
         "force_terms": _tuple_code(acting),
         "chain": _chain_context(functions),
         **_parameter_context(structure),
-        **Masses(structure).context(NUMPY),
-        "in_time_text": _tuple_code(IN_TIME),
+        "in_time_text": _tuple_code(in_time),
+        "in_time": _TimeArguments(dict.fromkeys(in_time, ", t")),
         **_state_context(structure, boundary_condition.translates, first),
         **programs,
     }
@@ -220,6 +221,34 @@ def _chain_context(functions: Functions) -> dict[str, Any]:
         "lower": "next_yx" if "next_yx" in functions.matrix else "next_xy",
         "couples": any(name.startswith("next") for name in functions.matrix),
     }
+
+
+class _TimeArguments(dict[str, str]):
+    """Text of the argument t of the functions that have it, by name; of others none."""
+
+    def __missing__(self, name: str) -> str:
+        return ""
+
+
+def _time_context(structure: Structure) -> dict[str, Any]:
+    """Template context of what changes with time, and of a held link: numbers that add up to its
+    angle and to its rate; which numbers a function needs that reads some names."""
+    numbers = Masses(structure).context(NUMPY)
+    turns = ANGLE if ANGLE in structure.base_parameters else ""
+    held = {"phi": [CLAMP_ANGLE.name, turns], "omega": [f"{turns}_rate" if turns else ""]}
+    held = {array: list(filter(None, names)) for array, names in held.items()}
+    held = held if structure.boundary_condition.first else {}
+
+    def is_needed(name: str, reads: Collection[str]) -> bool:
+        return name in reads or any(name in of and array in reads for array, of in held.items())
+
+    def follows_time(reads: Collection[str]) -> bool:
+        timed = (*structure.open_expressions, *numbers["clocked"])
+        return any(is_needed(name, reads) for name in timed)
+
+    own: dict[str, Any] = {"held": held, "held_moves": bool(turns)}
+    own["by_rates"] = _tuple_code(["power"]) if structure.base_parameters else ""
+    return {**numbers, **own, "needed": is_needed, "follows_time": follows_time}
 
 
 def _parameter_context(structure: Structure) -> dict[str, Any]:

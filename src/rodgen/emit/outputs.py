@@ -13,10 +13,10 @@ from rodgen.derive.energies import Quantities
 from rodgen.derive.general import GeneralEquations
 from rodgen.derive.implicit_form import UNKNOWNS, ImplicitForm
 from rodgen.derive.joint_force_system import joint_system
-from rodgen.derive.joint_system import BlockSystem, alpha, link_moment
+from rodgen.derive.joint_system import BlockSystem, link_moment
 from rodgen.derive.link_properties import INERTIAS
 from rodgen.derive.loads.kinds import JointMoment
-from rodgen.derive.symbols import Array, i, joint, joint_vx, joint_vy, joint_x, joint_y, n, s
+from rodgen.derive.symbols import Array, alpha, i, joint, joint_vx, joint_vy, joint_x, joint_y, n, s
 from rodgen.derive.variable_mass import ChangingBody, VariableMasses
 from rodgen.emit.forces import forces, point_force
 from rodgen.emit.laws import Laws
@@ -80,14 +80,15 @@ class Functions:
         if not of.masses:
             return None
         bodies = tuple(starmap(ChangingBody, of.changing_bodies.items()))
-        return VariableMasses(self.equations, len(bodies) < len(of.masses), bodies)
+        own = len(bodies) < len(of.masses)
+        return VariableMasses(self.equations, own, bodies, of.potentials)
 
     @cached_property
     def time_dependent(self) -> tuple[str, ...]:
         """Names of the numbers and masses that depend on time, and of the rates of these masses."""
         masses = Masses(self.structure)
         expressions = self.structure.open_expressions
-        return (*expressions, *masses.body_codes(NUMPY), *masses.link_codes(NUMPY))
+        return (*expressions, *masses.number_codes(NUMPY), *masses.link_codes(NUMPY))
 
     @cached_property
     def laws(self) -> Laws:
@@ -368,7 +369,8 @@ class Functions:
 
     def power_program(self) -> Program:
         """Program of the power of every load without potential, for states along leading axes."""
-        return self.compiler.compile(self.power, batch=True)
+        given = {str(alpha): self.compiler.link}
+        return self.compiler.compile(self.power, batch=True, given=given)
 
     def point_force(self) -> Program:
         """Program of the generalised forces of a force on a point of a link."""

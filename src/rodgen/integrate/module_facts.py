@@ -18,7 +18,6 @@ from rodgen.integrate.reductions import Crossing, Numbers, Reduction, parse_all
 from rodgen.integrate.stretches import Stretches, has_mass_jumps
 from rodgen.loading.generated_module import structure_of
 from rodgen.memory import check_memory
-from rodgen.model.rod import BOUNDARIES
 from rodgen.model.term import ANY, KNOTS, NOT_NEGATIVE, POSITIVE
 from rodgen.scene.distribution import Distribution
 from rodgen.scene.expression import Expression
@@ -44,7 +43,7 @@ class ModuleFacts:
     def numbers(self) -> Numbers:
         """All numbers of its quantities."""
         of = self.structure
-        boundary_condition = BOUNDARIES[of.boundary]
+        boundary_condition = of.boundary_condition
         held = range(boundary_condition.first, of.n_links) if "supports" in of.loads else ()
         loads = loads_at_work(self.model), of.open_expressions
         return Numbers.of(boundary_condition, of.n_links, *loads, of.state_names, held)

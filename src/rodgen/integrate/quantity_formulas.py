@@ -17,7 +17,7 @@ from rodgen.errors import did_you_mean
 from rodgen.integrate.constraint_forces import forces_per_mass
 from rodgen.loading.generated_module import ModuleFunction, call_module, structure_of
 from rodgen.model.quantities import FORCES, QUANTITIES, Quantity
-from rodgen.model.rod import BOUNDARIES, Boundary
+from rodgen.model.rod import Boundary
 from rodgen.model.terms import PARAMETERS, describe
 
 TURN = 1e-5  # rad, by which the links turn in a difference: errors are its square, and eps over it
@@ -121,7 +121,7 @@ class MotionSlice(Motion):
         timed: Mapping[str, Callable[[Any], Any]] | None = None,
     ):
         self.model, self.p, self.y = model, p, y
-        self.boundary_condition = BOUNDARIES[model.BOUNDARY]
+        self.boundary_condition = structure_of(model).boundary_condition
         self.extra_states = tuple(getattr(model, "STATES", ()))
         self.t = np.zeros(y.shape[:-1]) if t is None else t
         self.work, self.time_dependent_loads = work or {}, timed or {}
@@ -155,7 +155,7 @@ def loads_at_work(model: ModuleType) -> tuple[str, ...]:
         return ()
     y, p = np.zeros(len(model.STATE)), np.ones(len(model.PARAMETERS))
     with np.errstate(all="ignore"):  # their names are asked for, whatever their powers are
-        return tuple(model.power(0.0, y, p))
+        return tuple(call_module(model, "power", 0.0, 0.0, y, p))
 
 
 def _compute(motion: Motion, name: str) -> Any:

@@ -11,6 +11,8 @@ from threading import RLock
 from types import ModuleType
 from typing import Any, Self
 
+import numpy as np
+
 from rodgen.emit.targets import PART_OF, PARTS, available_parts, target_of
 from rodgen.errors import InputError
 from rodgen.native import native_run
@@ -108,12 +110,23 @@ def _cached_structure(*of: Any) -> Structure:
 
 def call_module(model: ModuleType, function: str | ModuleFunction, t: Any, *arrays: Any) -> Any:
     """Call a function of a module, or a function of (module, t, *arrays), on arrays of states and
-    parameters; t: times [s] of the states, passed on where the masses of the module are functions
-    of time."""
+    parameters; t: times [s] of the states, passed on where the masses of the module or its base are
+    functions of time. A function that asks for the rates of the states gets them."""
     if not isinstance(function, str):
         return function(model, t, *arrays)
     made = getattr(model, function)
+    if function in getattr(model, "BY_RATES", ()):
+        return made(*arrays, rates_of(model, *arrays))
     return made(*arrays, t) if function in getattr(model, "IN_TIME", ()) else made(*arrays)
+
+
+def rates_of(model: ModuleType, t: Any, y: Any, p: Any) -> Any:
+    """Rates of many states, (..., states); t: times [s], (...); y: states, (..., states)."""
+    y = np.asarray(y, dtype=float)
+    times, rates = np.broadcast_to(t, y.shape[:-1]), np.empty(y.shape)
+    for at in np.ndindex(y.shape[:-1]):
+        rates[at] = model.rhs(float(times[at]), y[at], p)
+    return rates
 
 
 def load_files(texts: dict[str, str], whole: bool = True) -> ModuleType:

@@ -37,6 +37,7 @@ class Boundary:
     root: stiffness of a spring in joint 0 that holds link 0 at clamp_angle, in springs between
     links (half a link bends there: twice as stiff), and internal damping there, in the same way.
     tail: likewise of a spring in joint n that holds the last link at clamp_angle.
+    moves: what holds the start is moved, as a function of time.
     """
 
     title: str
@@ -46,11 +47,17 @@ class Boundary:
     first: int = 0
     root: int = 0
     tail: int = 0
+    moves: bool = False
 
     @property
     def first_joint(self) -> int:
-        """The first joint that moves."""
-        return 0 if self.translates else self.first + 1
+        """The first joint that moves, freely or as it is moved."""
+        return 0 if self.translates or self.moves else self.first + 1
+
+    @property
+    def first_in_motion(self) -> int:
+        """The first link that moves, freely or as it is moved."""
+        return 0 if self.moves else self.first
 
     @property
     def first_force(self) -> int:

@@ -5,7 +5,7 @@ loads or kinds of damping, with their names and parameters, and how they are dra
 from __future__ import annotations
 
 import re
-from collections.abc import Callable
+from collections.abc import Callable, Collection
 from dataclasses import KW_ONLY, dataclass, replace
 from typing import Any, TypeVar
 
@@ -22,6 +22,7 @@ WEIGHT = "force on mass"
 DAMPER = "damping moment across joints"
 DRAG = "damping forces on joints"
 ANCHOR = "springs and dampers from joints to the ground"
+BASE = "motion of what holds the start"
 
 
 @dataclass(frozen=True, slots=True)
@@ -37,7 +38,8 @@ class Parameter:
     function of time; each: what it has a number, or two, for each of, JOINTS, LINKS, SPRINGS or
     KNOTS, where it is several; scales: the load is in proportion to it; decades: a slider moves
     over powers of ten; most: the largest value that it may have; fixed: another value needs another
-    module; optional: a module has it only where a scene has its key; links_power: for one and the
+    module; optional: a module has it only where a scene has its key; unless: a module, and a scene,
+    has it only where the scene has not this key, of an optional one; links_power: for one and the
     same rod it grows as this power of the number of links; by_mass: its effect is in proportion to
     the mass of the links at the start of the span.
     """
@@ -60,6 +62,7 @@ class Parameter:
     most: float | None = None
     fixed: bool = False
     optional: bool = False
+    unless: str = ""
     links_power: int = 0
     by_mass: bool = False
 
@@ -67,6 +70,10 @@ class Parameter:
     def key_path(self) -> tuple[str, ...]:
         """Path of keys in its table of a scene."""
         return (self.key,) if self.part is None else (self.key, str(self.part))
+
+    def is_among(self, keys: Collection[str]) -> bool:
+        """Whether a module has it that has the optional parameters of these keys."""
+        return self.key in keys if self.optional else not (self.unless and self.unless in keys)
 
     @property
     def is_signed(self) -> bool:
@@ -157,7 +164,7 @@ class Term:
     @property
     def is_load(self) -> bool:
         """Whether it is a table of [loads]; others follow from tables of their own."""
-        return self.kind != ANCHOR
+        return self.kind not in (ANCHOR, BASE)
 
     @property
     def size_parameters(self) -> tuple[Parameter, ...]:
@@ -170,9 +177,10 @@ class Term:
         of_drag = self.kind == DRAG
         return tuple(p for p in self.parameters if p.scales or (of_drag and p.rule == NOT_NEGATIVE))
 
-    def parameters_with(self, key: str) -> tuple[Parameter, ...]:
-        """Parameters of the load in a module, with the optional one of a key."""
-        return tuple(one for one in self.parameters if not one.optional or one.key == key)
+    def parameters_with(self, keys: str) -> tuple[Parameter, ...]:
+        """Parameters of the load in a module, with the optional ones of some keys: "x+y"."""
+        given = keys.split("+")
+        return tuple(one for one in self.parameters if one.is_among(given))
 
     @property
     def initial_table(self) -> dict[str, Any]:

@@ -9,11 +9,13 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Iterable
+from dataclasses import replace
 from functools import lru_cache
 
 from rodgen.model.palette import series_pair
 from rodgen.model.rod import (
     BODY,
+    BOUNDARIES,
     CLAMP_ANGLE,
     FOUNDATION,
     MASS_PER_LENGTH,
@@ -23,9 +25,11 @@ from rodgen.model.rod import (
     SHARE,
     STEADY,
     SUPPORT,
+    Boundary,
 )
 from rodgen.model.term import (
     ANCHOR,
+    BASE,
     COUPLE,
     DAMPER,
     DRAG,
@@ -54,7 +58,14 @@ ROWS = (
     Term("gravity", "gravity", "gravity", "M g", WEIGHT, "weight of every mass",
         colours=series_pair(7), thesis=True, parameters=(
         Parameter("gravity", "g", "gravity", "g", "m/s^2",
-            "acceleration g [], downwards", default=9.81, scales=True),
+            "acceleration g [], downwards",
+            default=9.81, timed=True, scales=True, unless="acceleration"),
+        Parameter("gravity_x", "acceleration", "gravity, x", "", "m/s^2",
+            "acceleration of free fall along x [], in place of `g`",
+            part=0, timed=True, scales=True, optional=True),
+        Parameter("gravity_y", "acceleration", "gravity, y", "", "m/s^2",
+            "acceleration of free fall along y [], in place of `g`",
+            part=1, timed=True, scales=True, optional=True),
     )),
     Term("internal_damping", "internal_damping", "internal damping", "", DAMPER,
         "viscous moment across inner joints, and twice that in the root of `clamped`",
@@ -148,6 +159,15 @@ ROWS = (
         Parameter("moment_size", "moment", "couple", "M", "N m",
             "moment M [], positive to the left", first=0.0, timed=True, scales=True),
     )),
+    Term("base", "base", "moving base", "", BASE, "motion of what holds the start of the rod",
+        parameters=(
+        Parameter("base_x", "x", "base x", "", "m",
+            "place of joint 0 along x []", timed=True, optional=True),
+        Parameter("base_y", "y", "base y", "", "m",
+            "place of joint 0 along y []", timed=True, optional=True),
+        Parameter("base_angle", "angle", "base angle", "", "rad",
+            "angle of the clamp, added to `clamp_angle` []", timed=True, optional=True),
+    )),
 )
 # fmt: on
 
@@ -169,6 +189,8 @@ def describe(name: str) -> str:
     return name if name == EMPTYING else TERMS[name].words
 
 
+(_BASE_TERM,) = (term for term in ROWS if term.kind == BASE)
+MOVING_BASE, BASE_ROWS = _BASE_TERM.name, _BASE_TERM.parameters
 THESIS_TERMS = tuple(term.name for term in ROWS if term.thesis)
 
 
@@ -193,7 +215,7 @@ def _parameter(name: str, number: int, rest: str) -> Parameter | None:
 def load_places(terms: Iterable[str]) -> dict[str, str]:
     """Names of the loads of a structure, each with its place: "" at the tail, else a link by its
     number, and the share of it before the point where that is not its start: 6+1/10. Of a load
-    without a place, the key of an optional parameter that it has."""
+    without a place, the keys of the optional parameters that it has: x+angle."""
     counts: Counter[str] = Counter()
     found = {}
     for text in terms:
@@ -203,10 +225,17 @@ def load_places(terms: Iterable[str]) -> dict[str, str]:
     return found
 
 
-def parameters_of(terms: Iterable[str]) -> list[Parameter]:
-    """Parameters of the loads of a structure."""
-    places = load_places(terms).items()
-    return [one for name, place in places for one in TERMS[name].parameters_with(place)]
+def boundary_of(name: str, terms: Iterable[str]) -> Boundary:
+    """Boundary of a rod with these terms, which a moving base moves."""
+    found = BOUNDARIES[name]
+    moves = any(text.partition("@")[0] == MOVING_BASE for text in terms)
+    return replace(found, moves=True) if moves else found
+
+
+def rows_of(terms: Iterable[str]) -> dict[str, Term]:
+    """Rows of the loads of a structure, by name, with the parameters that its module has."""
+    rows = ((TERMS[name], place) for name, place in load_places(terms).items())
+    return {row.name: replace(row, parameters=row.parameters_with(place)) for row, place in rows}
 
 
 PARAMETERS: NumberedRows[Parameter] = NumberedRows(
@@ -221,6 +250,7 @@ PLACES: dict[str, tuple[str, ...]] = {
         if term.is_load
         for one in term.parameters
     },
+    **{one.name: ("base", one.key) for one in BASE_ROWS},
 }
 
 

@@ -157,10 +157,18 @@ class Expression:
         places: Mapping[str, slice],
         start: str,
         signals: Mapping[str, str],
+        order: int = 1,
     ) -> str:
-        """Code of its derivative by one of its signals."""
-        tree = grammar.derivative(self._tree, by)
+        """Code of its derivative by one of its signals, or of one of a higher order."""
+        tree = self._derivative_tree(by, order)
         return "0.0" if tree is None else grammar.to_source(tree, language, places, start, signals)
+
+    def _derivative_tree(self, by: str, order: int) -> ast.expr | None:
+        """Tree of a derivative; None where it is zero."""
+        tree: ast.expr | None = self._tree
+        for _ in range(order):
+            tree = grammar.derivative(tree, by) if tree else None
+        return tree
 
     def evaluate(
         self, at: Any, signals: Mapping[str, Any], functions: grammar.Functions | None = None
@@ -170,9 +178,9 @@ class Expression:
             names = self._values | {self.variable: at} | dict(signals)
             return grammar.evaluate(self._tree, names, functions)
 
-    def derivative(self, at: Any, signals: Mapping[str, Any]) -> Any:
-        """Derivative by the variable, given values of its signals."""
-        tree = grammar.derivative(self._tree, self.variable)
+    def derivative(self, at: Any, signals: Mapping[str, Any], order: int = 1) -> Any:
+        """Derivative by the variable, or one of a higher order, given values of its signals."""
+        tree = self._derivative_tree(self.variable, order)
         with np.errstate(all="ignore"):
             names = self._values | {self.variable: at} | dict(signals)
             return 0.0 if tree is None else grammar.evaluate(tree, names)
@@ -218,6 +226,11 @@ class Expression:
     def has_cubic(self) -> bool:
         """Whether a table in it is interpolated by a cubic."""
         return any(table.kind == grammar.CUBIC for table in self._tables)
+
+    @property
+    def has_linear_table(self) -> bool:
+        """Whether a table in it is interpolated by straight lines."""
+        return any(table.kind == grammar.LINEAR for table in self._tables)
 
     @property
     def has_table(self) -> bool:

@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from functools import cached_property
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Self
 
-from pydantic import Field, create_model
+from pydantic import Field, create_model, model_validator
 
+from rodgen.errors import InputError
 from rodgen.model.term import ANY, JOINTS, LINKS, NOT_NEGATIVE, POSITIVE, Parameter, Term
 from rodgen.model.terms import TERMS
 from rodgen.scene.number_text import Expressed
@@ -58,24 +59,40 @@ def _make_field(parameter: Parameter) -> tuple[Any, Any]:
         kind |= str
     else:
         kind = EXPRESSED[parameter.rule]
+    if parameter.part is not None:
+        # A type that is known when this runs, which annotations are not asked to tell.
+        kind = Annotated[list[kind], Field(min_length=2, max_length=2)]  # type: ignore[valid-type]
+        default = [parameter.default] * 2
     if parameter.optional:
         return kind | None, None
     return kind, ... if default is None else default
+
+
+class LoadTable(Table):
+    """Base class of the tables in [loads]. term: its row in the vocabulary."""
+
+    term: ClassVar[Term]
+
+    @model_validator(mode="after")
+    def _leave_out(self) -> Self:
+        """Leave out the keys in place of which another stands. Raises InputError for both."""
+        for one in self.term.parameters:
+            if one.unless and getattr(self, one.unless) is not None:
+                if one.key in self.model_fields_set:
+                    field, value = f"loads.{self.term.table}.{one.key}", getattr(self, one.key)
+                    raise InputError(field, value, f"absent beside {one.unless}")
+                self.__dict__[one.key] = None
+        return self
 
 
 def _make_load_table(term: Term) -> type[Table]:
     """Make the class of a term's table in [loads], in this module so that scenes can be pickled."""
     name = term.table.title().replace("_", "")
     fields: dict[str, Any] = {one.key: _make_field(one) for one in term.parameters}
-    for key, default in term.initial_table.items():
-        if isinstance(default, list):
-            kind, _ = fields[key]
-            # A type that is known when this runs, which annotations are not asked to tell.
-            pair = Annotated[list[kind], Field(min_length=2, max_length=2)]  # type: ignore[valid-type]
-            fields[key] = pair, default
     if term.placed:
         fields["at"] = Expressed[Share], Field(1.0, exclude_if=lambda at: at == 1)
-    made = create_model(name, __base__=Table, __module__=__name__, __doc__=term.label, **fields)
+    made = create_model(name, __base__=LoadTable, __module__=__name__, __doc__=term.label, **fields)
+    made.term = term
     globals()[name] = made
     return made
 
@@ -128,7 +145,7 @@ class LoadTables(Table):
             one.name: ("loads", *keys, *one.key_path)
             for name, keys in self.table_keys.items()
             for one in TERMS[name].parameters
-            if not one.optional or getattr(get_at(self, *keys), one.key) is not None
+            if getattr(get_at(self, *keys), one.key) is not None
         }
 
     @property

@@ -51,9 +51,10 @@ def mesh_dependent_values(
     the mass M/2n of an end: what it has beyond the body's factor, which is spread, grows as n.
     """
     for term in map(TERMS.__getitem__, scene.loads.terms):
-        if not (everything or scene.loads.value(term.parameters[0].name)):
-            continue  # the load does nothing
-        for one in (row for row in term.parameters if row.links_power):
+        rows = [row for row in term.parameters if row.links_power]
+        if not rows or not (everything or scene.loads.value(term.parameters[0].name)):
+            continue  # or the load does nothing
+        for one in rows:
             value, key = scene.loads.value(one.name), scene.key_path(one.name)
             if not one.is_array:
                 yield MeshDependentValue(one.label, key, value, 0.0, one.links_power)

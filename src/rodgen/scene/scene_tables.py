@@ -20,10 +20,11 @@ from pydantic import (
 from rodgen.errors import InputError
 from rodgen.model.rod import CLAMP_ANGLE, MASS_WAYS, ROD, Boundary
 from rodgen.model.term import JOINTS, LINKS
-from rodgen.model.terms import PARAMETERS, PLACES
+from rodgen.model.terms import BASE_ROWS, MOVING_BASE, PARAMETERS, PLACES
 from rodgen.scene import spring_law
 from rodgen.scene import structure as st
 from rodgen.scene.anchors import Anchors
+from rodgen.scene.base_table import BaseTable
 from rodgen.scene.distribution import Distribution
 from rodgen.scene.expression import Expression, Numbers, parse_expression
 from rodgen.scene.grammar import TableData
@@ -48,7 +49,7 @@ from rodgen.scene.tables import (
     check_count,
     validate_tables,
 )
-from rodgen.scene.time_laws import TimeLaws
+from rodgen.scene.time_laws import TimeLaws, check_motion
 from rodgen.scene.validation import to_input_error
 
 
@@ -75,6 +76,7 @@ class SceneTables(Table):
     bodies: list[BodyTable] = []
     supports: list[SupportTable] = []
     foundation: FoundationTable | None = None
+    base: BaseTable | None = None
     loads: Loads = Loads()
     states: dict[str, StateTable] = Field({}, exclude_if=operator.not_)
     initial: InitialTable = InitialTable()
@@ -137,8 +139,10 @@ class SceneTables(Table):
         check_states(self.states, self.numbers)
         for name in self.states:
             self._state_rate(name)
-        for parameter in self.loads.parameters:
-            value, each = self.loads.value(parameter), PARAMETERS[parameter].each
+        if self.base is not None:
+            self.base.check_boundary(self.rod.boundary_condition, self.rod.boundary)
+        for parameter in self.given_parameters:
+            value, each = self.given_value(parameter), PARAMETERS[parameter].each
             count = self.rod.links + (each == JOINTS)
             if isinstance(value, list) and len(value) != count:
                 allowed = f"a list of {count} values, one for every {each}"
@@ -167,6 +171,9 @@ class SceneTables(Table):
 
     def _check_span(self) -> None:
         """Raise InputError for loads, stiffness or masses that are impossible within the span."""
+        for name in self._base_values:
+            if (e := self.expression(name)) is not None:
+                check_motion(e, *self.integrate.span)
         for parameter in self.loads.parameters:
             if PARAMETERS[parameter].each == LINKS:
                 self._law(parameter).check_poles(self.integrate.span)
@@ -196,18 +203,38 @@ class SceneTables(Table):
         tables = ((repr(name), table) for name, table in self.tables.items())
         return (*self.numbers.items(), *tables)
 
-    def expression(self, name: str) -> Expression | None:
-        """Expression of a load's parameter that is given as text, in t, or in s where every link
-        has its own; None for other parameters.
+    @property
+    def _base_values(self) -> dict[str, Any]:
+        """Values of what moves the start of the rod, by parameter."""
+        return {} if self.base is None else self.base.values
+
+    @property
+    def given_parameters(self) -> tuple[str, ...]:
+        """Names of the parameters of its loads and of its base."""
+        return (*self.loads.parameters, *self._base_values)
+
+    def given_value(self, name: str) -> Any:
+        """Value of one of these parameters, as the scene has it.
 
         name: of the parameter.
         """
-        value = self.loads.value(name)
+        moved = self._base_values
+        return moved[name] if name in moved else self.loads.value(name)
+
+    def expression(self, name: str) -> Expression | None:
+        """Expression of a parameter of a load or of the base that is given as text, in t, or in s
+        where every link has its own; None for other parameters.
+
+        name: of the parameter.
+        """
+        value = self.given_value(name)
         if not isinstance(value, str):
             return None
         if PARAMETERS[name].each == LINKS:
             return self._law(name).expression
-        return parse_expression(value, "t", self.key_of(name), self._numbers, tuple(self.states))
+        # What is moved is given: it follows no sensor and no state.
+        states = None if name in self._base_values else tuple(self.states)
+        return parse_expression(value, "t", self.key_of(name), self._numbers, states)
 
     def key_path(self, name: str) -> tuple[str, ...]:
         """Keys of tables, from the outermost in, that lead to a parameter of the module.
@@ -224,9 +251,9 @@ class SceneTables(Table):
         return ".".join(self.key_path(name))
 
     def _load_value(self, name: str) -> Any:
-        """Value of a load's parameter: a number, or those of all joints or links; None for one that
-        changes with time."""
-        value, text, links = self.loads.value(name), self.expression(name), self.rod.links
+        """Value of a parameter of a load or of the base: a number, or those of all joints or links;
+        None for one that changes with time."""
+        value, text, links = self.given_value(name), self.expression(name), self.rod.links
         if isinstance(value, FinFactor):
             return value.values(links)
         if PARAMETERS[name].each == LINKS:
@@ -270,6 +297,7 @@ class SceneTables(Table):
             (name, parametrise(e, f"{name}_rate")) for name, e in self.state_rates.items()
         )
         terms = self.loads.terms_with_places(rod.links) + self.anchors.terms
+        terms += () if self.base is None else (f"{MOVING_BASE}@{'+'.join(self.base.keys)}",)
         what = rod.links, rod.boundary, rod.inertia, terms
         sprung = parametrise(self.spring_law, spring_law.NAME) if self.spring_law else ""
         along = self.distribution
@@ -294,9 +322,22 @@ class SceneTables(Table):
     @property
     def anchors(self) -> Anchors:
         """Supports and foundation of the rod."""
-        start = self.initial.position or (0.0, 0.0)
+        start = self.initial.position or self._base_start
         turned = self.initial.angle or 0.0
         return Anchors(self.rod, self.supports, self.foundation, start, self._numbers, turned)
+
+    @property
+    def _base_start(self) -> tuple[float, float]:
+        """Place of joint 0 at the start of the span, where it is held [m]."""
+        x, y = (self._base_start_of(one.name) for one in BASE_ROWS[:2])
+        return x, y
+
+    def _base_start_of(self, name: str) -> float:
+        """Coordinate of joint 0 at the start of the span [m]; zero where it is not given."""
+        if name not in self._base_values:
+            return 0.0
+        e = self.expression(name)
+        return float(self.given_value(name) if e is None else e(self.integrate.span[0]))
 
     @property
     def distribution(self) -> Distribution:
@@ -320,7 +361,7 @@ class SceneTables(Table):
     @cached_property
     def expressions(self) -> dict[str, Expression]:
         """Parameters that change with time or with the motion, by name."""
-        found = {name: self.expression(name) for name in self.loads.parameters}
+        found = {name: self.expression(name) for name in self.given_parameters}
         return {
             name: e
             for name, e in found.items()
@@ -365,7 +406,7 @@ class SceneTables(Table):
         if not MASS_WAYS.isdisjoint(along.nonuniform):
             values |= along.link_parameters()
         values |= along.changing_mass_parameters
-        values |= {name: self._load_value(name) for name in self.loads.parameters}
+        values |= {name: self._load_value(name) for name in self.given_parameters}
         for name, text in self.expressions.items():
             values |= text.with_parameters(name)[1]
         values |= self.anchors.parameters
@@ -399,7 +440,8 @@ class SceneTables(Table):
         law, (start, end) = self.spring_law, self.integrate.span
         along = self.distribution
         spring = (law, tuple(along.joint_stiffness), tuple(along.rest_angles)) if law else None
-        return TimeLaws(start, end, single, spread, rates, masses, self.rod.links, spring)
+        base = tuple(e for name, e in self.expressions.items() if name in self._base_values)
+        return TimeLaws(start, end, single, spread, rates, masses, self.rod.links, spring, base)
 
     def breaks(self) -> list[float]:
         """Break points: times inside the span [s] at which a load, the rate of a state or a mass is

@@ -5,11 +5,11 @@ from __future__ import annotations
 import hashlib
 import json
 import re
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field, fields
 from fractions import Fraction
 from functools import cached_property
-from itertools import starmap
+from itertools import chain, combinations, starmap
 
 from rodgen.errors import InputError, did_you_mean
 from rodgen.model.rod import (
@@ -22,8 +22,16 @@ from rodgen.model.rod import (
     Boundary,
     changing_body_rows,
 )
-from rodgen.model.term import ANY, JOINTS, LINKS, NOT_NEGATIVE, SPRINGS, Parameter
-from rodgen.model.terms import PARAMETERS, TERMS, THESIS_TERMS, load_places, parameters_of
+from rodgen.model.term import ANY, BASE, JOINTS, LINKS, NOT_NEGATIVE, SPRINGS, Parameter, Term
+from rodgen.model.terms import (
+    BASE_ROWS,
+    PARAMETERS,
+    TERMS,
+    THESIS_TERMS,
+    boundary_of,
+    load_places,
+    rows_of,
+)
 from rodgen.scene import spring_law
 from rodgen.scene.expression import Expression, open_expression
 from rodgen.scene.grammar import Sensor
@@ -77,7 +85,7 @@ class Structure:
         check_choice("boundary", self.boundary, BOUNDARIES)
         check_choice("inertia", self.inertia, INERTIAS)
         for term in self.terms:
-            _check_term(term, self.n_links)
+            _check_term(term, self.n_links, self.boundary_condition)
         for what in self.nonuniform:
             check_choice("nonuniform", what, NONUNIFORM)
         object.__setattr__(
@@ -120,10 +128,20 @@ class Structure:
         """Names of the added states, in the order in which y has them."""
         return tuple(name for name, _ in self.states)
 
-    @property
+    @cached_property
     def boundary_condition(self) -> Boundary:
         """Boundary condition at the start of the rod."""
-        return BOUNDARIES[self.boundary]
+        return boundary_of(self.boundary, self.terms)
+
+    @cached_property
+    def base_parameters(self) -> tuple[str, ...]:
+        """Names of the parameters that move what holds the start of the rod."""
+        return tuple(one.name for one in BASE_ROWS if one.name in self._own_parameters)
+
+    @cached_property
+    def has_moving_base(self) -> bool:
+        """Whether what holds the start of the rod moves."""
+        return any(name in dict(self.expressions) for name in self.base_parameters)
 
     @cached_property
     def loads(self) -> tuple[str, ...]:
@@ -131,17 +149,23 @@ class Structure:
         return tuple(load_places(self.terms))
 
     @cached_property
+    def load_rows(self) -> dict[str, Term]:
+        """Rows of the loads in the vocabulary, by name, with the parameters that the module has,
+        whether functions of time or not."""
+        return rows_of(self.terms)
+
+    @cached_property
     def potentials(self) -> tuple[str, ...]:
         """Names of the loads that have a potential: no work of theirs is counted."""
         varying = dict(self.expressions)
-        terms = [TERMS[name] for name in self.loads if TERMS[name].is_conservative]
+        terms = [term for term in self.load_rows.values() if term.is_conservative]
         return tuple(t.name for t in terms if not any(one.name in varying for one in t.parameters))
 
     @cached_property
     def _own_parameters(self) -> list[str]:
         """Names of the parameters of the rod, its boundary and its terms, whether functions of time
         or not; those of further loads of a kind come last."""
-        loads = parameters_of(self.terms)
+        loads = [one for row in self.load_rows.values() for one in row.parameters]
         ways = [NONUNIFORM[what] for what in self.nonuniform]
         differing = [one for way in ways for one in way.parameters]
         if self.masses:
@@ -339,16 +363,21 @@ def _sort_terms(terms: tuple[str, ...]) -> tuple[str, ...]:
     return tuple(found)
 
 
-def _check_term(text: str, links: int) -> None:
-    """Raise InputError for a term that is unknown, at a place that it cannot have, or with a
-    parameter that is not an optional one."""
+def _check_term(text: str, links: int, boundary: Boundary) -> None:
+    """Raise InputError for a term that is unknown or not of this boundary, at a place that it
+    cannot have, or with a parameter that is not an optional one."""
     kind, at, place = text.partition("@")
     check_choice("terms", kind, TERMS)
+    if TERMS[kind].kind == BASE:
+        keys = base_keys(boundary)
+        check_choice("terms", text, [f"{kind}@{'+'.join(some)}" for some in _choices(keys)])
+        return
     if not at:
         return
-    options = [one.key for one in TERMS[kind].parameters if one.optional]
+    options = dict.fromkeys(one.key for one in TERMS[kind].parameters if one.optional)
     if options:
-        check_choice("terms", text, [kind, *(f"{kind}@{key}" for key in options)])
+        some = (f"{kind}@{'+'.join(given)}" for given in _choices(options))
+        check_choice("terms", text, [kind, *some])
         return
     if not TERMS[kind].placed:
         raise InputError("terms", text, f"{kind}, which has no place")
@@ -356,6 +385,17 @@ def _check_term(text: str, links: int) -> None:
     if not (found and int(found[1]) < links and Fraction(found[2] or 0) < 1):
         allowed = f"{kind}@link or {kind}@link+share, of a load at a point of one of {links} links"
         raise InputError("terms", text, allowed)
+
+
+def _choices(keys: Sequence[str]) -> Iterable[tuple[str, ...]]:
+    """One or several of some keys, in their order."""
+    return chain.from_iterable(combinations(keys, count + 1) for count in range(len(keys)))
+
+
+def base_keys(boundary: Boundary) -> tuple[str, ...]:
+    """Keys of the motion that what holds the start of a rod may have; none of one that is free."""
+    keys = (one.key for one in BASE_ROWS if boundary.is_clamped or not one.is_angle)
+    return tuple(keys) if boundary.is_held else ()
 
 
 def check_choice(field_name: str, value: object, allowed: Iterable[str]) -> None:

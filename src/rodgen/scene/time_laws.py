@@ -24,6 +24,8 @@ PLACES = (0.05, 0.5, 0.95)  # s at which a load along the rod is looked at
 # rad: so close to a corner of its law a spring is on it. What a step makes of the wrong side of the
 # corner is of the order of the square.
 ON_A_CORNER = 1e-7
+# Of the largest place of a base within the span: less is rounding, more a jump.
+SAME = 1e-9
 FEW = 5_000  # numbers that are computed with at once
 MOST_FRONTS = 20_000  # break points of what moves along the rod, beyond which they are left out
 BENDS = "bend"
@@ -74,7 +76,8 @@ class TimeLaws:
 
     single: loads of one number, by time or by the motion; along: loads that may differ from link to
     link; rates: of states; masses: of links and bodies; links: their number; spring: the law of the
-    springs, their stiffness, and the bends at which they are at rest.
+    springs, their stiffness, and the bends at which they are at rest; base: those of `single` that
+    move what holds the rod.
     """
 
     start: float
@@ -85,6 +88,7 @@ class TimeLaws:
     masses: tuple[Expression, ...]
     links: int
     spring: tuple[Expression, tuple[float, ...], tuple[float, ...]] | None = None
+    base: tuple[Expression, ...] = ()
 
     @classmethod
     def from_structure(
@@ -112,7 +116,9 @@ class TimeLaws:
             names = (name for name in structure.spring_law.names if name != STIFFNESS)
             law = spring_law(structure.spring, tuple((name, numbers[name]) for name in names))
             spring = law, *springs
-        return cls(start, end, single, along, rates, masses, structure.n_links, spring)
+        moving = {name: of for name, of in groups[0].items() if name in structure.base_parameters}
+        base = with_numbers(moving)
+        return cls(start, end, single, along, rates, masses, structure.n_links, spring, base)
 
     @property
     def expressions(self) -> tuple[Expression, ...]:
@@ -144,9 +150,11 @@ class TimeLaws:
         smooth in t, ascending; of what acts along the rod, at the quadrature points of links.
 
         Raises InputError for a mass with too many jumps to step onto: the energy of what leaves is
-        accounted for at each.
+        accounted for at each; and for a base that jumps from one place to another.
         """
         self.check_masses()
+        for e in self.base:
+            check_motion(e, self.start, self.end)
         found: list[float] = []
         every = [at for e in self.expressions for at in e.breaks(self.start, self.end)]
         for at in sorted([*every, *self._front_times]):
@@ -229,3 +237,21 @@ def _passing_times(e: Expression, links: int, start: float, end: float) -> tuple
             return None
         found.update(times)
     return tuple(sorted(at for at in found if start < at < end))
+
+
+@lru_cache(maxsize=64)
+def check_motion(e: Expression, start: float, end: float) -> None:
+    """Raise InputError for a motion of the base that has no velocity within a span [s]: one that
+    jumps, or that is not finite, or a table of straight lines, whose corners are blows."""
+    if e.has_linear_table:
+        allowed = 'without tables of straight lines: interp(t, ..., "cubic") has an acceleration'
+        raise InputError(e.field, e.text, allowed)
+    largest = float(np.nanmax(np.abs(e(np.linspace(start, end, 101)))))
+    for at in (start, *e.breaks(start, end), *e.poles(start, end), end):
+        near = 16 * np.spacing(max(abs(at), abs(end - start)))
+        sides = e(np.array([max(start, at - near), at, min(end, at + near)]))
+        if not np.isfinite(sides).all():
+            raise InputError(e.field, e.text, f"finite within the span (not at t = {at:.9g})")
+        if np.ptp(sides) > SAME * max(largest, np.abs(sides).max()):
+            allowed = f"without jumps: {shorten(e.text)} jumps at t = {at:.9g}"
+            raise InputError(e.field, e.text, allowed)

@@ -19,6 +19,8 @@ from rodgen.arrays import Array, even_indices
 from rodgen.display import Plottable
 from rodgen.errors import EmptyPictureError
 from rodgen.integrate.couples import point_at
+from rodgen.integrate.quantity_formulas import MotionSlice
+from rodgen.integrate.weights import falls_of
 from rodgen.model.term import COUPLE, FORCE, SPREAD, WEIGHT
 from rodgen.model.terms import TERMS, load_places
 from rodgen.scene import Scene
@@ -157,10 +159,9 @@ def _load_magnitudes(rod: SteadyRod, y: Array) -> dict[str, float]:
     if rod.has_feedback:
         given |= rod.model.signals(rod.t, y, p)
     for name in rod.system.load_terms:
-        if TERMS[name].kind in (FORCE, COUPLE, SPREAD, WEIGHT):
-            parts = [
-                max(np.atleast_1d(given[e.name]), key=abs) for e in TERMS[name].size_parameters
-            ]
+        row = rod.system.structure.load_rows[name]
+        if row.kind in (FORCE, COUPLE, SPREAD, WEIGHT):
+            parts = [max(np.atleast_1d(given[e.name]), key=abs) for e in row.size_parameters]
             found[name] = float(parts[0] if len(parts) == 1 else np.hypot(*parts))
     return {name: size for name, size in found.items() if size}
 
@@ -185,6 +186,8 @@ def draw_loads(
     as large as the other that each coordinate is drawn."""
     size = ARROW * rod.scene.rod.length
     forces = rod.model.forces(rod.t, y, rod.system.p)
+    here = MotionSlice(rod.model, rod.system.p, y, np.asarray(rod.t))
+    falls = falls_of(here, rod.system.structure.terms)
     ends, curves = [], []
     for name, amount in _load_magnitudes(rod, y).items():
         term = TERMS[name]
@@ -206,7 +209,8 @@ def draw_loads(
                 pull = _shorten(0.5 * size * forces[name][at] / largest, stretch)
                 ends.append((np.array([joints[at] - pull, joints[at]]), term))
         else:
-            down = _shorten(np.array([0.0, -0.5 * size * np.sign(amount)]), stretch)
+            fall = falls[name] / np.linalg.norm(falls[name])
+            down = _shorten(0.5 * size * fall, stretch)
             width, height = np.ptp(joints, axis=0)
             aside = side * ASIDE * rod.scene.rod.length * (height > 2 * width) / stretch[0]
             for start in joints[even_indices(0, len(joints) - 1, WEIGHTS)] + [aside, 0.0]:

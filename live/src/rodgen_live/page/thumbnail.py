@@ -9,8 +9,8 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from rodgen.arrays import Array
+from rodgen.integrate.weights import fall_of
 from rodgen.model.term import COUPLE, FORCE, SPREAD, WEIGHT, Term
-from rodgen.model.terms import TERMS
 from rodgen.scene import Scene
 from rodgen.scene.plain_tables import get_at
 from rodgen.scene.rod_points import link_and_share
@@ -37,9 +37,9 @@ def thumbnail(scene: Scene) -> bytes:
     axes.set(xlim=(left, right), ylim=(below, above))
     axes.plot(*joints.T, color=ROD, linewidth=3.0)
     draw_marks(axes, scene, joints, ROD)
-    for name in scene.loads.terms:
-        style = {"arrowstyle": "-|>", "color": TERMS[name].colours[0], "lw": 2.0, **NO_GAP}
-        for *line, start, end in _arrows(scene, TERMS[name], joints, point):
+    for term in map(scene.structure.load_rows.__getitem__, scene.loads.terms):
+        style = {"arrowstyle": "-|>", "color": term.colours[0], "lw": 2.0, **NO_GAP}
+        for *line, start, end in _arrows(scene, term, joints, point):
             axes.plot(*np.transpose([*line, start]), color=style["color"], lw=2.0)
             axes.annotate("", (*end,), (*start,), arrowprops=style)
     file = BytesIO()
@@ -59,8 +59,10 @@ def joints_at_start(scene: Scene) -> Array:
 
 
 def _arrows(scene: Scene, term: Term, joints: Array, point: float) -> Iterator[Sequence[Array]]:
-    """Points of the arrows of a load [m]; point: metres. One that pushes ends at the rod, and one
-    that pulls begins there."""
+    """Points of the arrows of a load [m]; point: metres. One that pushes ends at the rod."""
+    # Of an expression it is shown that it is there, not which way it points at first.
+    found = {part.name: scene.loads.value(part.name) for part in term.size_parameters}
+    sizes = {name: x if isinstance(x, int | float) else 1.0 for name, x in found.items()}
     size, table = point * ARROW, get_at(scene.loads, *scene.loads.table_keys[term.name])
     if term.kind == SPREAD:
         nu = angle if isinstance(angle := getattr(table, "angle", None), float) else 0.0
@@ -70,12 +72,11 @@ def _arrows(scene: Scene, term: Term, joints: Array, point: float) -> Iterator[S
             start = place + point * ASIDE * np.cos(nu) * along @ LEFT - abs(np.sin(nu)) * push
             yield start, start + push
     elif term.kind == WEIGHT:
-        yield joints.mean(axis=0), joints.mean(axis=0) - [0.0, size]
+        middle, fall = joints.mean(axis=0), fall_of(term, sizes.__getitem__)
+        yield middle, middle + size * fall / (np.linalg.norm(fall) or 1.0)
     elif term.kind in (FORCE, COUPLE):
         place, along = _point_at(getattr(table, "at", 1.0), joints)
-        # Of an expression it is shown that it is there, not which way it points at first.
-        parts = [get_at(table, *part.key_path) for part in term.size_parameters]
-        pull = np.array([part if isinstance(part, int | float) else 1.0 for part in parts])
+        pull = np.array([*sizes.values()])
         if term.kind == COUPLE:
             yield [*(place + curved_arrow(0.4 * size, np.sign(pull[0]))[:-3])]
             return

@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 from rodgen.arrays import Array
 from rodgen.integrate.couples import couples_of
 from rodgen.integrate.quantity_formulas import MotionSlice, principal_axes
+from rodgen.integrate.weights import falls_of
 from rodgen.loading.generated_module import call_module
 from rodgen.system import System
 from rodgen_live.sample_store import Chunk, SampleStore
@@ -50,9 +51,8 @@ LARGEST = 1e30  # of what is drawn: beyond, single precision ends
 def rod_arrays(model: ModuleType, system: System, chunk: Chunk) -> tuple[list[float], list[Named]]:
     """Origin [m], and arrays that draw the rod at the last sample: joints relative to the origin,
     rates, moments, axial and shear forces in the joints that have them, forces on the joints by
-    load, couples; "point": centre of gravity from there, angle of a principal axis, gravity."""
+    load, free fall, couples; "point": centre of gravity from there, angle of a principal axis."""
     t, y, p = chunk.t[-1], chunk.y[-1], chunk.p
-    gravity = p[model.PARAMETERS.index("gravity")] if "gravity" in model.PARAMETERS else 0.0
     with np.errstate(all="ignore"):  # a state may have stopped being finite
         joints, centre = model.joints(y, p), call_module(model, "centre_of_gravity", t, y, p)
         origin = np.nan_to_num(joints[0], nan=0.0, posinf=0.0, neginf=0.0)
@@ -62,11 +62,11 @@ def rod_arrays(model: ModuleType, system: System, chunk: Chunk) -> tuple[list[fl
             ("joints", single_precision(joints - origin)),
             ("omega", single_precision(piece.values("omega"))),
             ("moment", single_precision(model.bending_moments(y, p))),
-            ("point", single_precision(np.concatenate((centre - origin, [angle, gravity])))),
+            ("point", single_precision(np.array([*(centre - origin), angle]))),
         ]
         if len(joints) <= MOST_SECTIONS:
             arrays.append(("section", single_precision(piece.values("section_forces"))))
-        forces = model.forces(t, y, p)
+        forces = model.forces(t, y, p) | falls_of(piece, model.TERMS)
         arrays += [(f"forces:{term}", single_precision(force)) for term, force in forces.items()]
         for term, couple in couples_of(piece, model.TERMS).items():
             arrays.append((f"couple:{term}", single_precision(couple - [*origin, 0.0])))

@@ -117,7 +117,7 @@ def groups_of(scene: Scene) -> Iterator[FieldGroup]:
 def _load_groups(scene: Scene) -> Iterator[FieldGroup]:
     for name, keys in scene.loads.table_keys.items():
         term, key, table = TERMS[name], ".".join(("loads", *keys)), get_at(scene.loads, *keys)
-        yield FieldGroup(key, table, term.parameters)
+        yield FieldGroup(key, table, scene.structure.load_rows[name].parameters)
         if term.placed:
             yield FieldGroup(key, table, (AT_IN_MODULE,), f" of the {term.label}")
 

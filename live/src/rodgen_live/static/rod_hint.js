@@ -47,7 +47,7 @@ export function said({ joints, omega, moment, section, forces }, loads, link) {
   if (section) rows.push(...passed(section, joints.length / 2 - 1, link));
   for (const { term, label } of loads) {
     const part = forces[term]?.subarray(at, at + 4);
-    if (!part) continue;
+    if (part?.length !== 4) continue; // a force on each joint, or an acceleration of all
     const size = Math.hypot(part[0] + part[2], part[1] + part[3]);
     if (size > 0) rows.push(`${label} ${short(size, 3)} N at its joints`);
   }

@@ -10,14 +10,13 @@ import { dark } from "./theme.js";
 
 const APART = 7; // pixels from one arrow to the next
 const each = ({ forces }, term) => forces[term];
-const weight = ({ point }) => point?.[3] && [0, -point[3]];
 const couple = (state, term) => state[`couple:${term}`]; // its point and its moment
 const moment = (state, term) => couple(state, term)?.slice(2);
 // By kind: pixels of the longest arrow at the end of its scale, width of a line, unit, the forces
 // that are to scale, their arrows [x, y, dx, dy] in pixels, and what draws these.
 const KINDS = {
   point: { longest: 64, width: 3, unit: "N", forces: whole, arrows: atPoint },
-  mass: { longest: 64, width: 2.4, unit: "m/s\u00b2", forces: weight, arrows: atCentre },
+  mass: { longest: 64, width: 2.4, unit: "m/s\u00b2", forces: each, arrows: atCentre },
   joints: { longest: 50, width: 1.2, unit: "N", forces: each, arrows: atJoints },
   link: { longest: 90, width: 2.4, unit: "N m", forces: moment, arrows: about, draw: curved },
 };
@@ -98,7 +97,7 @@ function about(state, points, arrow, term, camera) {
 
 // ... one at the centre of gravity, ...
 function atCentre(state, points, arrow, term, camera) {
-  return [[...camera.screen(state.point[0], state.point[1]), ...arrow(...weight(state))]];
+  return [[...camera.screen(state.point[0], state.point[1]), ...arrow(...state.forces[term])]];
 }
 
 // ... or as many along the rod as can be told apart.

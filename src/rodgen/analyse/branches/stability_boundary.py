@@ -28,7 +28,6 @@ from rodgen.analyse.modal import DIVERGENCE, FLUTTER
 from rodgen.arrays import Array
 from rodgen.dataset_result import POINT, SPECIAL
 from rodgen.errors import AnalysisError, InputError
-from rodgen.model.terms import TERMS
 from rodgen.result import Row
 from rodgen.scene import Scene
 from rodgen.scene.plain_tables import is_number
@@ -314,7 +313,7 @@ def _find_load(scene: Scene, a: str, b: str) -> tuple[str | None, bool]:
     """Name of the load whose size one key is, if any, and whether that is the second key."""
     for key, flipped in ((a, False), (b, True)):
         for name in scene.loads.terms:
-            term = TERMS[name]
+            term = scene.structure.load_rows[name]
             if term.has_size and scene.key_of(term.size_parameters[0].name) == key:
                 return term.name, flipped
     return None, False

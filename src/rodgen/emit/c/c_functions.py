@@ -58,8 +58,8 @@ def programs(
         codes["rates"] = replace(rates[0], fields=_merge_fields(*rates))
     expressions = {name: e for name, e in structure.open_expressions.items() if not e.signals}
     timed = {name: e.source(SCENE, places) for name, e in expressions.items()}
-    timed |= masses.body_codes(SCENE)
-    by_rod = masses.body_codes(SCENE, lane_functions.BY_ROD)
+    timed |= masses.number_codes(SCENE)
+    by_rod = masses.number_codes(SCENE, lane_functions.BY_ROD)
     more |= {
         "code_of": codes,
         "link_masses_c": link_masses,

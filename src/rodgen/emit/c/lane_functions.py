@@ -59,7 +59,7 @@ def lane_context(functions: Functions) -> dict[str, Any]:
         if not e.signals
     }
     return {
-        "timed_in_lanes": timed | masses.body_codes(SCENE, BY_ROD, CLOCK),
+        "timed_in_lanes": timed | masses.number_codes(SCENE, BY_ROD, CLOCK),
         "observed": _observed_places(functions),
         "observed_names": _observed_names(functions),
     }

@@ -15,10 +15,12 @@ from rodgen.arrays import Array
 from rodgen.integrate.events import EventDetector, SwitchProgress
 from rodgen.integrate.methods.gauss_steps import GaussEqualSteps, GaussStep
 from rodgen.integrate.methods.python_steppers import CvodeStep, FixedStep, ScipyStep
+from rodgen.integrate.quantity_formulas import loads_at_work
 from rodgen.integrate.recorder import Recorder
 from rodgen.integrate.stability import extra_states_of, largest_stable_step
 from rodgen.integrate.stepper import Counts, InitialValueProblem, Interpolant, StepError, Stepper
 from rodgen.integrate.stretches import EMPTYING_ROW, EventStop, MassJumps, State
+from rodgen.loading.generated_module import call_module
 from rodgen.model.methods import TABLEAUX
 from rodgen.model.rod import BOUNDARIES
 from rodgen.scene.integration import IntegrationTable
@@ -55,7 +57,7 @@ class PythonIntegrator:
         self._asked: deque[float] = deque(maxlen=RECENT)
         self._stepper: Stepper | None = None
         self._done = Counts()
-        self._work, self._jumps = WorkQuadrature(model, p, t, y), MassJumps(model, p)
+        self._work, self._jumps = WorkQuadrature(model, p), MassJumps(model, p)
         self._last: tuple[float, Array] | None = None
 
     @property
@@ -219,11 +221,9 @@ class WorkQuadrature:
     """Work of every load without potential, by quadrature over each step; waiting: stretches whose
     power is not integrated yet."""
 
-    def __init__(self, model: ModuleType, p: Array, t: float, y: Array):
-        self._p = p
-        self._power = power = getattr(model, "power", None)
-        with np.errstate(all="ignore"):  # of a state that cannot be integrated
-            self.terms = tuple(power(np.float64(t), y, p)) if power else ()
+    def __init__(self, model: ModuleType, p: Array):
+        self._model, self._p = model, p
+        self.terms = loads_at_work(model)
         self.totals = np.zeros(len(self.terms))
         self.waiting: list[tuple[Array, Array, Array, list[int], float, float]] = []
         self.come = 0.0  # energy [J] with masses that have jumped since the last stretch
@@ -244,10 +244,11 @@ class WorkQuadrature:
 
     def flush(self, recorder: Recorder) -> None:
         """Integrate the power over the steps that wait, and write it into their samples."""
-        if not self.waiting or not self._power:
+        if not self.waiting or not self.terms:
             return
         nodes, states, widths, samples, come, here = zip(*self.waiting, strict=True)
-        power = self._power(np.concatenate(nodes), np.concatenate(states), self._p)
+        at_nodes = np.concatenate(nodes), np.concatenate(states), self._p
+        power = call_module(self._model, "power", at_nodes[0], *at_nodes)
         width = np.concatenate(widths)
         ends = np.array([sample for some in samples for sample in some])
         last = np.cumsum([len(some) for some in widths]) - 1

@@ -11,7 +11,8 @@ import numpy as np
 from rodgen.arrays import Array
 from rodgen.integrate import Solution
 from rodgen.integrate.couples import couples_of
-from rodgen.model.term import FORCE, SPREAD, WEIGHT
+from rodgen.integrate.weights import falls_of
+from rodgen.model.term import FORCE, SPREAD
 from rodgen.model.terms import TERMS
 
 # Where the largest bending of all is so many times that of nearly all samples, colours end there.
@@ -104,12 +105,11 @@ def _mass(solution: Solution) -> Array:
 
 def _loads(solution: Solution) -> dict[str, LoadSamples]:
     """Return the weight and the resultants of the forces on joints, with their points of action."""
-    found = {}
+    found, falls = {}, falls_of(solution, solution.scene.structure.terms)
     for name in solution.scene.loads.terms:
         kind = TERMS[name].kind
-        if kind == WEIGHT:
-            force = np.zeros_like(solution.centre_of_gravity)
-            force[:, 1] = -solution.parameter(name) * _mass(solution)
+        if name in falls:
+            force = falls[name] * _mass(solution)[:, None]
             found[name] = LoadSamples(solution.centre_of_gravity, force)
         elif kind in (FORCE, SPREAD):
             forces = solution.forces[name]
