@@ -138,6 +138,14 @@ class Quantities:
         return x, y
 
     @cached_property
+    def velocities(self) -> tuple[Expr, ...]:
+        """Velocities [m/s] of the start, the tail and the centre of gravity, x and y of each."""
+        rod, all_links = self.equations.rod, (i, 0, n - 1)
+        mass = Sum(rod.mass(i), all_links) if rod.has_link_masses else n * rod.mass(i)
+        ends = (base[at] for at in (0, n) for base in (joint_vx, joint_vy))
+        return (*ends, *(momentum / mass for momentum in self.momentum))
+
+    @cached_property
     def angular_momentum(self) -> Expr:
         """Angular momentum [N m s], of a rod that moves freely about its centre of gravity, else
         about the start of the first link that moves."""

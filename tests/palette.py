@@ -62,7 +62,7 @@ PLACED = Structure(
     "clamped",
     terms=(
         *("follower@1+1/4", "follower", "follower@2", "distributed_follower@angle"),
-        *("moment@1+1/4", "moment", "moment@0"),
+        *("moment@1+1/4", "moment", "moment@0", "gravity@acceleration"),
     ),
 )
 TIMED = Structure(

@@ -2,22 +2,23 @@
 
 from typing import Any
 
-from sympy import Expr, Sum, cos, sin
+from sympy import Expr, S, Sum, cos, sin
 
 from ..chain import Vector
 from ..closed_form import Num, Pair
 from ..generic_chain import GenericChain
-from ..symbols import joint, joint_vx, joint_vy, n, parameters
+from ..symbols import PARAMETERS, joint, joint_vx, joint_vy, n, parameters
 from .joint_drag import JointDrag, JointMotion
 from .kinds import Value
 
 AXIS = parameters("foundation")[0]
+OFFSET = PARAMETERS["foundation_offset"]
 
 
 class Foundation(JointDrag):
     """Springs and dampers on every joint that moves: a force by its position and by its velocity.
 
-    Energy: k w^2/2; w: distance from an axis through the origin.
+    Energy: k w^2/2; w: distance from an axis, through the origin or at an offset from it.
     """
 
     letter = "W"
@@ -26,7 +27,11 @@ class Foundation(JointDrag):
     def spring_energy(self, joint: JointMotion) -> Expr:
         """Energy of the springs of a joint [J]."""
         k, _ = joint.factors
-        return k * (cos(AXIS) * joint.y - sin(AXIS) * joint.x) ** 2 / 2
+        return k * (cos(AXIS) * joint.y - sin(AXIS) * joint.x - self._offset) ** 2 / 2
+
+    @property
+    def _offset(self) -> Expr:
+        return OFFSET if OFFSET in self.parameters else S.Zero
 
     def damper_force(self, joint: JointMotion) -> Vector:
         """Force of the dampers of a joint [N]."""
@@ -56,16 +61,20 @@ class Foundation(JointDrag):
     def spring_by_hand(self, joint: JointMotion, value: Value, functions: Any) -> Pair:
         """Force of the springs of a joint: -k w along the normal (-sin, cos) of the axis."""
         k, _ = joint.factors
-        return self._normal_force(-k, joint.x, joint.y, value, functions)
+        rest = self.rest_by_hand(joint, value, functions)
+        return self._normal_force(-k, joint.x - rest[0], joint.y - rest[1], value, functions)
 
     def damper_by_hand(self, joint: JointMotion, value: Value, functions: Any) -> Pair:
         """Force of the dampers of a joint: -c dw/dt along the normal of the axis."""
         _, c = joint.factors
         return self._normal_force(-c, joint.vx, joint.vy, value, functions)
 
-    def rest_by_hand(self, joint: JointMotion, value: Value) -> Pair:
+    def rest_by_hand(self, joint: JointMotion, value: Value, functions: Any) -> Pair:
         """Position at which the springs of a joint have no force."""
-        return 0 * joint.x, 0 * joint.y
+        if self._offset == 0:
+            return 0 * joint.x, 0 * joint.y
+        aside = value(OFFSET)
+        return -functions.sin(value(AXIS)) * aside, functions.cos(value(AXIS)) * aside
 
     def _normal_force(self, factor: Num, x: Num, y: Num, value: Value, functions: Any) -> Pair:
         c, s = functions.cos(value(AXIS)), functions.sin(value(AXIS))

@@ -181,7 +181,7 @@ class Supports(JointLoad):
     def spring_by_hand(self, link: LinkMotion, value: Value, functions: Any) -> tuple[Num, ...]:
         """Force of the springs of a link, and their moment: -k times the displacement from rest."""
         _, _, _, kx, ky, _, _, kappa, _ = link.factors
-        rest = self.rest_by_hand(link, value)
+        rest = self.rest_by_hand(link, value, functions)
         ways = zip((kx, ky, kappa), link.place, rest, strict=True)
         return tuple(-k * (at - there) for k, at, there in ways)
 
@@ -191,7 +191,7 @@ class Supports(JointLoad):
         vx, vy, rate = link.velocity
         return -cx * vx, -cy * vy, -chi * rate
 
-    def rest_by_hand(self, link: LinkMotion, value: Value) -> tuple[Num, ...]:
+    def rest_by_hand(self, link: LinkMotion, value: Value, functions: Any) -> tuple[Num, ...]:
         """Position without a force of the springs of a link, and angle without a moment."""
         return link.factors[1], link.factors[2], value(ANGLE)
 

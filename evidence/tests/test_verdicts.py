@@ -34,6 +34,7 @@ MORE = {
     "moment": [{"moment": 3.0, "at": 0.4}, {"moment": "2*phi(0.5) - omega(1)"}],
     "distributed_follower": {"force_per_length": 4.0, "angle": -1.2},
     "viscous_drag": {"normal": 0.8, "tangential": 0.3, "wind": [0.5, -0.2]},
+    "gravity": {"acceleration": [1.5, "-2*phi(0.3)"]},
 }
 
 

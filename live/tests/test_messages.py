@@ -165,6 +165,17 @@ def test_trail_of_a_page_that_does_not_answer_stays_short(run: Stepped, changing
 # The rod, and the form of messages -------------------------------------------------------------
 
 
+def test_a_page_is_told_where_everything_falls_at_present(make_scene: Callable[..., Scene]) -> None:
+    """By an expression of the time, and by one of the motion."""
+    fall = {"loads.gravity": {"acceleration": ["0.5*sin(3*t)", "-9.81 + phi(1)"]}}
+    scene = make_scene(3, "free", ()).replace(fall)
+    model, system, y = rodgen.build(scene, "numpy"), rodgen.System(scene), scene.initial_state()
+    y[4], p = 0.25, model.parameters(**scene.parameters)
+    chunk = Chunk(np.array([0.3]), y[None], np.zeros((1, 1)), ("gravity",), p)
+    found = dict(rod_arrays(model, system, chunk)[1])["forces:gravity"]
+    assert found == pytest.approx([0.5 * np.sin(0.9), -9.56], rel=1e-6)  # single
+
+
 @pytest.mark.parametrize(
     ("terms", "links"), [(THESIS_TERMS, 5), pytest.param(tuple(TERMS), 2, marks=pytest.mark.slow)]
 )

@@ -13,6 +13,7 @@ import rodgen
 from rodgen.check.module_check import _draw, check_module
 from rodgen.derive.proofs import comparisons
 from rodgen.emit.targets import FORMS
+from rodgen.loading.generated_module import call_module
 from rodgen.model.rod import BOUNDARIES, INERTIAS
 from rodgen.scene import Scene
 from rodgen.scene.expression import Expression
@@ -172,6 +173,40 @@ def test_what_may_follow_the_motion_is_exact_to_its_jacobian(built: Built, point
     np.testing.assert_allclose(found, exact, rtol=0, atol=1e-12 * np.abs(exact).max())
     works = {"distributed_follower", "viscous_drag", "moment"}
     assert set(at.module.power(at.t, at.y, at.p)) == works
+
+
+# Gravity as a vector, with a component in time, and downwards by a law of time or of the motion; of
+# links that are alike, carry bodies, are points, and lose mass.
+SIDEWAYS, PULSED = ("gravity@acceleration",), (("gravity", "a + b*sin(w*t)"),)
+SWUNG = (("gravity_x", "a*sin(w*t)"),)
+LEAKING = (("tank", 1, "a*exp(-t)"),)
+HEAVY = {
+    "vector": Structure(3, "free", "uniform", SIDEWAYS),
+    "points": Structure(3, "pinned", "lumped", SIDEWAYS, nonuniform=("points",)),
+    "swung": Structure(3, "clamped", "uniform", SIDEWAYS, SWUNG, ("bodies",)),
+    "pulsed": Structure(3, "cantilever", "lumped", ("gravity",), PULSED),
+    "felt": Structure(3, "free", "uniform", ("gravity",), (("gravity", "a + phi(0.3)*omega(1)"),)),
+    "leaking": Structure(3, "free", "uniform", ("gravity",), PULSED, ("bodies",), masses=LEAKING),
+    "leaking vector": Structure(
+        3, "pinned", "uniform", SIDEWAYS, nonuniform=("bodies",), masses=LEAKING
+    ),
+}
+
+
+@pytest.mark.parametrize("target", [("numpy", "chain"), ("c", "chain")], ids="-".join)
+@pytest.mark.parametrize("name", HEAVY)
+def test_gravity_in_time_does_work_and_another_has_a_potential(
+    built: Built, point: type, name: str, target: tuple[str, str]
+) -> None:
+    """What leaves takes energy along only where gravity has a potential: the check compares the
+    power of what leaves as well."""
+    at = point(built(HEAVY[name], *target))
+    assert _exact(at.module)
+    at.assert_jacobian(at.module.jac)
+    timed, leaks = bool(HEAVY[name].expressions), ["emptying"] * bool(HEAVY[name].masses)
+    power = at.module.power(at.t, at.y, at.p) if timed or leaks else ()
+    assert [*power] == ["gravity"] * timed + leaks
+    assert bool(call_module(at.module, "energy", at.t, at.y, at.p)[2]) == (not timed)
 
 
 @pytest.mark.slow

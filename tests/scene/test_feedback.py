@@ -86,7 +86,7 @@ def test_names_of_other_things_are_no_names_of_states() -> None:
 
 def test_what_cannot_follow_the_motion_is_refused() -> None:
     for field, law in (
-        ("loads.gravity.g", "9.81*phi(0)"),
+        ("loads.drag.normal", "9.81*phi(0)"),
         ("initial.phi", "phi(0.3)"),
         ("initial.phi", "gimbal"),
         ("rod.bending_stiffness", "3*(1 + phi(0.5))"),

@@ -154,7 +154,7 @@ def test_an_expression_that_is_no_such_number_is_refused() -> None:
         ("rod.bending_stiffness.3", "-deg(1)"),
         ("rod.length", "A - A"),
         ("rod.mass", "deg("),
-        ("loads.gravity.g", "phi(0.5)"),
+        ("loads.drag.normal", "phi(0.5)"),
         ("parameters.A", "2*A"),
         ("integrate.span.1", "2*pi"),
     ):
@@ -162,7 +162,7 @@ def test_an_expression_that_is_no_such_number_is_refused() -> None:
         given = scene_of(
             parameters={"A": 1.0},
             rod={"links": 3, "bending_stiffness": [1.0] * 4},
-            loads={"gravity": {}},
+            loads={"drag": {}},
             initial={"phi": [0.0] * 3, "omega": [0.0] * 3, "position": ["A", 0]},
         ).to_dict()
         set_at(given, [*table.split("."), at], text)

@@ -78,9 +78,10 @@ def test_terms_at_no_place_are_refused() -> None:
         return Structure(10, terms=parse_terms(text))
 
     others = "follower@10", "follower@", "follower@1+3/2", "tip_load@3", "gravity,gravity", "nix@3"
-    for text in (*others, "distributed_follower@3", "follower@angle"):
+    for text in (*others, "distributed_follower@3", "follower@angle", "gravity@g"):
         assert refused(make, text).field == "terms"
-    for text in ("follower@9", "moment@9+1/2", "distributed_follower@angle"):
+    keyed = "distributed_follower@angle", "gravity@acceleration"
+    for text in ("follower@9", "moment@9+1/2", *keyed):
         assert make(text).terms == (text,)
 
 

@@ -148,7 +148,9 @@ def test_a_scene_and_a_module_allow_the_same_values(make_scene: Callable[..., Sc
         if parameter.part is None:
             inner[parameter.key] = [value] * 6 if parameter.each == JOINTS else value
         else:
-            inner[parameter.key][parameter.part] = value
+            inner.setdefault(parameter.key, [0.0, 0.0])[parameter.part] = value
+        for other in (one for one in PARAMETERS.values() if one.unless and parameter.optional):
+            inner.pop(other.key, None)  # the one stands in place of the other
         allowed = value > 0 if parameter.rule == POSITIVE else value >= 0
         if allowed or parameter.is_signed:
             # What differs along the rod is a mean over every link.

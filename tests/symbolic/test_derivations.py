@@ -63,7 +63,7 @@ def test_any_n_equals_the_closed_form(boundary: str, inertia: str) -> None:
     assert names == {"sizes", "M", "Q", "K", "joints", *letters, *laws}
 
 
-@cases("boundary, term", BOUNDARIES, (*TERMS, "distributed_follower@angle"))
+@cases("boundary, term", BOUNDARIES, (*TERMS, "distributed_follower@angle", "gravity@acceleration"))
 def test_every_term_is_proven_where_it_is_alone(boundary: str, term: str) -> None:
     name = LOADS[term.partition("@")[0]].letter
     for proof in (
@@ -157,6 +157,7 @@ WRONG = [
     ),
     (PointMoment, "link_by_hand", LOADS["moment"].letter, ("moment@1",)),
     (DistributedFollower, "link_by_hand", "F_q", ("distributed_follower@angle",)),
+    *((Gravity, f"{of}_by_hand", "A", ("gravity@acceleration",)) for of in ("base", "link")),
 ]
 FREE, HELD = ("free", "uniform"), ("clamped", "lumped")
 PROOFS = {

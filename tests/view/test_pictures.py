@@ -16,7 +16,8 @@ from rodgen.integrate import Solution
 from rodgen.model.terms import TERMS, axis_label
 from rodgen.scene import Scene
 from rodgen.show import run_pictures
-from rodgen.show.analysis_pictures import scene_at_start
+from rodgen.show.analysis_pictures import equilibrium_shape, scene_at_start
+from rodgen.show.animation.motion import sample_motion
 from rodgen.show.event_marks import force_intervals
 from rodgen.show.marks import LONGEST_TURN, curved_arrow, draw_by_stability
 from rodgen.show.picture_files import save_figures
@@ -190,6 +191,21 @@ def test_energy_of_constant_couples_is_told_as_such(
     labels = [line.get_label() for line in lines]
     assert f"{named} from the start" in labels
     assert f"total with {named} from the start" in labels
+
+
+def test_weight_is_drawn_along_its_vector(make_scene: Callable[..., Scene]) -> None:
+    """In a picture of the rest, in which the rod bends too much to be stretched, and in a film."""
+    fall = {"loads.gravity": {"acceleration": ["3*cos(t)", -4.0]}}
+    scene = make_scene(4, "clamped", ()).replace(fall)
+    arrows = equilibrium_shape(rodgen.static_equilibrium(scene)).axes[0].texts
+    assert arrows
+    for arrow in arrows:
+        way = np.subtract(arrow.xy, arrow.xyann)
+        assert way / np.linalg.norm(way) == pytest.approx([0.6, -0.8])
+    solution = rodgen.simulate(scene, span=(0, 0.5), target="numpy")
+    due = scene.rod.mass * np.c_[3 * np.cos(solution.t), -4.0 + 0 * solution.t]
+    force = sample_motion(solution).loads["gravity"].force
+    np.testing.assert_allclose(force, due, rtol=1e-12)
 
 
 def test_the_error_of_energy_has_numbers_at_powers_of_ten_alone(swinging: Solution) -> None:

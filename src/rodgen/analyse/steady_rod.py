@@ -20,7 +20,7 @@ from rodgen.integrate.simulate import simulate
 from rodgen.integrate.solution import RunError
 from rodgen.model.rod import CLAMP_ANGLE
 from rodgen.model.term import ANCHOR
-from rodgen.model.terms import TERMS
+from rodgen.model.terms import BASE_ANGLE, TERMS
 from rodgen.result import Result, Row, omit_from_tables
 from rodgen.scene import Scene
 from rodgen.scene.distribution import shape_without_load
@@ -278,7 +278,9 @@ class SteadyRod(HasInstant):
 
     @property
     def _clamp_angle(self) -> float:
-        return self.system.parameter(CLAMP_ANGLE.name) if self.is_clamped else 0.0
+        known = self.system.structure.slices
+        angles = (name for name in (CLAMP_ANGLE.name, BASE_ANGLE) if name in known)
+        return sum(map(self.system.parameter, angles)) if self.is_clamped else 0.0
 
     def all_angles(self, phi: NDArray[Any]) -> NDArray[Any]:
         """Angles of all n links, fixed ones included, from those of moving ones (..., n_moving)."""
@@ -317,7 +319,8 @@ class StateResult(HasInstant, Result):
         return tuple(
             scene.key_of(name)
             for name, e in scene.time_dependent_loads.items()
-            if name not in self._scaled_parameters
+            if name in scene.loads.parameters
+            and name not in self._scaled_parameters
             and float(e(self.t)) == 0
             and np.any(np.asarray(e(times)) != 0)
         )
@@ -329,6 +332,8 @@ class StateResult(HasInstant, Result):
         words = f"loads{masses} as at t = {self.t:g} s"
         if self.t == scene.integrate.span[0]:
             words += ", the start of the span"
+        if scene.structure.has_moving_base:
+            words += "; of the base its place and acceleration then, not its speed"
         if not quiet:
             return words
         verb = "is" if len(quiet) == 1 else "are"

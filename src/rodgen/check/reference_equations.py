@@ -267,7 +267,7 @@ class ReferenceEquations:
         total = mpf(0)
         for motion in self._motions(load).values():
             force = load.spring_by_hand(motion, self.value, mp)
-            rest = load.rest_by_hand(motion, self.value)
+            rest = load.rest_by_hand(motion, self.value, mp)
             total -= sum(f * (x - x0) for f, x, x0 in zip(force, motion.place, rest, strict=True))
         return total / 2
 

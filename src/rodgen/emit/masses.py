@@ -4,6 +4,7 @@ that are functions of time and place."""
 
 from __future__ import annotations
 
+import re
 from dataclasses import dataclass
 from typing import Any
 
@@ -24,7 +25,7 @@ IN_TIME = (
     *("mass_matrix", "energy", "centre_of_gravity", "inertia"),
     *("momentum", "angular_momentum"),
 )
-IN_TIME_AS_WELL = "joints", "bending_moments", "support_forces", "curvatures"
+IN_TIME_AS_WELL = "joints", "velocities", "bending_moments", "support_forces", "curvatures"
 
 
 def functions_in_time(structure: Structure) -> tuple[str, ...]:
@@ -52,7 +53,10 @@ class Masses:
             e = of.open_expressions.get(name)
             for order, word in enumerate(ORDERS[1:], start=1):
                 given = "t", language, of.slices, start, {"t": clock}, order
-                found[f"{name}{word}"] = e.derivative_source(*given) if e else "0.0"
+                code = e.derivative_source(*given) if e else "0.0"
+                # Of NumPy, a number of which there may be many: one that takes an axis.
+                plain = language.prefix and re.fullmatch(r"[\d.e+-]+", code)
+                found[f"{name}{word}"] = f"np.float64({code})" if plain else code
         return found
 
     def _body_codes(self, language: Language, start: str, clock: str) -> dict[str, str]:

@@ -20,14 +20,13 @@ from rodgen.emit.statements import PAIR, Program
 from rodgen.emit.targets import TARGETS, check_output, required_parts, target_of
 from rodgen.model.rod import CLAMP_ANGLE, NONUNIFORM
 from rodgen.model.term import JOINTS, KNOTS, POSITIVE, Parameter
-from rodgen.model.terms import BASE_ROWS, TERMS
+from rodgen.model.terms import BASE_ANGLE, TERMS
 from rodgen.progress import EMITTING, report_stage
 from rodgen.scene.grammar import NUMPY
 from rodgen.scene.structure import Structure
 
 GUARD = "tests/reference.py"
 
-ANGLE = next(one.name for one in BASE_ROWS if one.is_angle)
 NO_ENERGY = "np.zeros_like(kinetic)"  # the contract has three energies, whatever the scene
 
 
@@ -234,7 +233,7 @@ def _time_context(structure: Structure) -> dict[str, Any]:
     """Template context of what changes with time, and of a held link: numbers that add up to its
     angle and to its rate; which numbers a function needs that reads some names."""
     numbers = Masses(structure).context(NUMPY)
-    turns = ANGLE if ANGLE in structure.base_parameters else ""
+    turns = BASE_ANGLE if BASE_ANGLE in structure.base_parameters else ""
     held = {"phi": [CLAMP_ANGLE.name, turns], "omega": [f"{turns}_rate" if turns else ""]}
     held = {array: list(filter(None, names)) for array, names in held.items()}
     held = held if structure.boundary_condition.first else {}

@@ -29,6 +29,7 @@ from rodgen.model.terms import EMPTYING
 from rodgen.scene.grammar import NUMPY
 from rodgen.scene.structure import Structure
 
+VELOCITIES = tuple(f"{of}_v{axis}" for of in ("start", "tail", "centre") for axis in "xy")
 CENTRE, MOMENTUM = ("centre_x", "centre_y"), ("momentum_x", "momentum_y")
 
 
@@ -342,6 +343,8 @@ class Functions:
             "bending": observed["bending"],
             "forces": forces(self.equations, self.n_links),
         }
+        if self.structure.base_parameters:
+            outputs["velocities"] = _outputs(VELOCITIES, quantities.velocities)
         if self.laws.definitions:
             outputs["signals"] = _scalars(self.laws.signal_expressions)
         return {name: self.compiler.compile(o, batch=True) for name, o in outputs.items()}

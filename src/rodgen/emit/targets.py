@@ -27,7 +27,7 @@ PARTS = {
     "power": ("power",),
     "quantities": (
         *("energy", "joints", "centre_of_gravity", "inertia"),
-        *("bending_moments", "forces", "generalised_force", "signals"),
+        *("bending_moments", "forces", "generalised_force", "signals", "velocities"),
     ),
     "kinetics": (
         *("momentum", "angular_momentum", "reaction_moment", "support_forces"),

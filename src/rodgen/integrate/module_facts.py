@@ -12,10 +12,11 @@ from numpy.typing import NDArray
 
 from rodgen.arrays import Array
 from rodgen.errors import InputError, Missing
+from rodgen.integrate.jumps import has_mass_jumps, may_have_blows
 from rodgen.integrate.lane_runs import LaneRows, ReductionPlan, StretchTable, can_use_lanes
 from rodgen.integrate.quantity_formulas import loads_at_work
 from rodgen.integrate.reductions import Crossing, Numbers, Reduction, parse_all
-from rodgen.integrate.stretches import Stretches, has_mass_jumps
+from rodgen.integrate.stretches import Stretches
 from rodgen.loading.generated_module import structure_of
 from rodgen.memory import check_memory
 from rodgen.model.term import ANY, KNOTS, NOT_NEGATIVE, POSITIVE
@@ -71,8 +72,8 @@ class ModuleFacts:
         crossings: Sequence[Crossing],
         traced: Sequence[str],
     ) -> ReductionPlan | None:
-        switches = self._has_switches and not fixed
-        if switches or not can_use_lanes(method) or not hasattr(self.model, "LANES"):
+        alone = (self._has_switches and not fixed) or may_have_blows(self.model)
+        if alone or not can_use_lanes(method) or not hasattr(self.model, "LANES"):
             return None
         jumps = has_mass_jumps(self.model)
         return ReductionPlan.of(self._rows, reductions, jumps, crossings, traced)

@@ -17,8 +17,9 @@ from rodgen.errors import did_you_mean
 from rodgen.integrate.constraint_forces import forces_per_mass
 from rodgen.loading.generated_module import ModuleFunction, call_module, structure_of
 from rodgen.model.quantities import FORCES, QUANTITIES, Quantity
-from rodgen.model.rod import Boundary
-from rodgen.model.terms import PARAMETERS, describe
+from rodgen.model.rod import CLAMP_ANGLE, Boundary
+from rodgen.model.terms import BASE_ANGLE, PARAMETERS, describe
+from rodgen.scene.expression import Expression
 
 TURN = 1e-5  # rad, by which the links turn in a difference: errors are its square, and eps over it
 
@@ -59,7 +60,7 @@ class Motion:
     work: Mapping[str, Array]
     boundary_condition: Boundary
     extra_states: tuple[str, ...]
-    time_dependent_loads: Mapping[str, Callable[[Any], Any]]
+    time_dependent_loads: Mapping[str, Expression]
     has_feedback: bool
     energy_input: Array | float
     start_energy: float  # subclasses may have cached properties of these names
@@ -118,7 +119,7 @@ class MotionSlice(Motion):
         work: Mapping[str, Array] | None = None,
         given: float = 0.0,
         start_energy: float = 0.0,
-        timed: Mapping[str, Callable[[Any], Any]] | None = None,
+        timed: Mapping[str, Expression] | None = None,
     ):
         self.model, self.p, self.y = model, p, y
         self.boundary_condition = structure_of(model).boundary_condition
@@ -204,9 +205,16 @@ def _n_positions(motion: Motion) -> int:
     return (int(motion.y.shape[-1]) - len(motion.extra_states)) // 2
 
 
-def _clamp_angle(motion: Motion) -> Array | float:
-    """Angle of the clamp [rad], 0 without one."""
-    return motion.parameter("clamp_angle") if motion.boundary_condition.is_clamped else 0.0
+def _clamp_angle(motion: Motion, rate: bool = False) -> Array | float:
+    """Angle of the clamp [rad], or its rate [rad/s]; 0 without one."""
+    if not motion.boundary_condition.is_clamped:
+        return 0.0
+    fixed = 0.0 if rate else motion.parameter(CLAMP_ANGLE.name)
+    law = motion.time_dependent_loads.get(BASE_ANGLE)
+    if law is None:
+        return fixed if rate else fixed + motion.parameter(BASE_ANGLE)
+    turned = law.derivative(motion.t, {}) if rate else law(motion.t)
+    return fixed + np.broadcast_to(turned, motion.t.shape)
 
 
 def _link_differences(motion: Motion, links: str, clamp: Array | float) -> Array:
@@ -265,7 +273,10 @@ def _support_forces(motion: Motion) -> Array:
 
 def _velocity(motion: Motion, function: str, *at: int) -> Array:
     """Velocity of a point, (..., 2), by a central difference of its positions, which a function of
-    the module gives. Relative to joint 0, lest a rod far away lose its digits."""
+    the module gives. Relative to joint 0, lest a rod far away lose its digits. Where the base
+    moves, the module has the velocity."""
+    if motion.boundary_condition.moves:
+        return motion.values("moved")[function]
     y, base = motion.y, 2 * motion.boundary_condition.translates
     half = _n_positions(motion)
     rates = y[..., half + base : 2 * half]
@@ -281,18 +292,27 @@ def _velocity(motion: Motion, function: str, *at: int) -> Array:
     return found + y[..., half : half + 2] if base else found
 
 
+def _moved(motion: Motion) -> dict[str, Array]:
+    """Velocities of the start, the tail and the centre of gravity of a rod whose base moves."""
+    found = motion.evaluate("velocities", motion.y)
+    names = "start", "joints", "centre_of_gravity"
+    return {name: found[..., at, :] for at, name in enumerate(names)}
+
+
 def _tail_deflections(motion: Motion) -> Array:
     """Distance of the tail from the line of the clamp or of the first link, and its rate, (..., 2):
     that line turns with the link."""
     boundary, joints = motion.boundary_condition, motion.values("joints")
     angle, turning = motion.values("phi")[..., 0], motion.values("omega")[..., 0]
     if boundary.is_clamped:
-        angle, turning = np.asarray(_clamp_angle(motion)), np.zeros(())
+        angle, turning = (np.asarray(_clamp_angle(motion, rate)) for rate in (False, True))
     x, y = np.moveaxis(joints[..., -1, :] - joints[..., 0, :], -1, 0)
-    vx, vy = np.moveaxis(motion.values("tip_velocity"), -1, 0)
+    velocity = motion.values("tip_velocity")
     if boundary.translates:
-        base = motion.values("base_velocity")
-        vx, vy = vx - base[..., 0], vy - base[..., 1]
+        velocity = velocity - motion.values("base_velocity")
+    if boundary.moves:
+        velocity = velocity - motion.values("moved")["start"]
+    vx, vy = np.moveaxis(velocity, -1, 0)
     c, s = np.cos(angle), np.sin(angle)
     return np.stack((y * c - x * s, vy * c - vx * s - turning * (x * c + y * s)), axis=-1)
 
@@ -330,12 +350,13 @@ def _signals(motion: Motion) -> dict[str, Array]:
 FORMULAS: dict[str, Callable[[Motion], Any]] = {
     "t": lambda motion: motion.t,
     "phi": lambda motion: _of_all_links(motion, 0, _clamp_angle(motion)),
-    "omega": lambda motion: _of_all_links(motion, 1, 0.0),
+    "omega": lambda motion: _of_all_links(motion, 1, _clamp_angle(motion, rate=True)),
     "bend": lambda motion: _link_differences(motion, "phi", _clamp_angle(motion)),
-    "bend_rate": lambda motion: _link_differences(motion, "omega", 0.0),
+    "bend_rate": lambda motion: _link_differences(motion, "omega", _clamp_angle(motion, rate=True)),
     "base": lambda motion: motion.y[..., :2],
     "base_velocity": lambda motion: motion.y[..., _n_positions(motion) :][..., :2],
     "joints": _of_states("joints"),
+    "moved": _moved,  # velocities of a rod whose base moves, by what they are of
     "tip": lambda motion: motion.values("joints")[..., -1, :],
     "tip_velocity": lambda motion: _velocity(motion, "joints", -1),
     "tail_deflections": _tail_deflections,  # with its rate, (..., 2)

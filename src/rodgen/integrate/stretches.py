@@ -1,20 +1,12 @@
 """Stretches of a run between times that steps must meet, and the interface of integrators, which
 take the steps, samples and events of a stretch.
-
-At a jump of a mass the motion goes on. What leaves has the velocity and the height of its place, so
-that the energy which it takes along is the difference of the rod's energies with the masses before
-and after, in one and the same state. In a stretch between two break points the work of emptying is
-the integral of its power; at the ends of stretches these differences are added. A sample at a break
-point has the masses of that very time.
 """
 
 from __future__ import annotations
 
-import math
 from bisect import bisect_left, bisect_right
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass, replace
-from types import ModuleType
 from typing import Any, Protocol
 
 import numpy as np
@@ -24,7 +16,6 @@ from rodgen.arrays import Array
 from rodgen.integrate.events import EventDetector
 from rodgen.integrate.recorder import Recorder
 from rodgen.integrate.stepper import Counts, StepError
-from rodgen.loading.generated_module import call_module, structure_of
 from rodgen.scene import Scene
 from rodgen.scene.expression import Expression
 from rodgen.scene.time_laws import TimeLaws
@@ -40,8 +31,6 @@ WAKES = 1e-4  # share of the span around a break point in which a pulse is met a
 
 Pulse = tuple[float, float, float]  # begin, peak and end [s]
 Pole = tuple[float, Expression] | None
-
-EMPTYING_ROW = -1  # of works: that of emptying is the last
 
 
 class EventStop(Exception):  # noqa: N818, an event is no error
@@ -201,44 +190,3 @@ def _step_to(
 def with_span(scene: Scene, start: float, end: float) -> Scene:
     """Scene with another span, which is not validated."""
     return scene.with_settings(scene.integrate.model_copy(update={"span": [start, end]}))
-
-
-class MassJumps:
-    """Energy that jumps of the masses of a rod add to the work of emptying, as its run goes from
-    stretch to stretch. Zero in between, and where nothing can jump."""
-
-    def __init__(self, model: ModuleType, p: Array):
-        self._model, self._p = model, p
-        self._possible = has_mass_jumps(model)
-        self._high, self._end = math.nan, math.nan
-
-    def begin(self, t: float, y: Array, end: float, low: float, high: float) -> float:
-        """Begin a stretch, and return the energy [J] that comes with the masses at its start, time
-        t in state y. end: of the stretch; low, high: bounds of the times of its masses."""
-        before = self._high if self._end == t else t
-        self.resume_stretch(end, high)
-        return self._energy_gain(before, low, y)
-
-    def resume_stretch(self, end: float, high: float) -> None:
-        """Continue in a stretch that was begun before."""
-        self._end, self._high = end, high
-
-    def gain_at_end(self, t: float, y: Array) -> float:
-        """Energy [J] that comes by time t itself with masses that jump there, in state y, where the
-        stretch ends then; else zero."""
-        return self._energy_gain(self._high, t, y) if t == self._end else 0.0
-
-    def _energy_gain(self, before: float, after: float, y: Array) -> float:
-        """Energy [J] of a state with the masses of time after, less that with those of before."""
-        if not self._possible:
-            return 0.0
-        gained = self._energy(after, y) - self._energy(before, y)
-        return gained if math.isfinite(gained) else 0.0
-
-    def _energy(self, t: float, y: Array) -> float:
-        return float(sum(call_module(self._model, "energy", t, y, self._p)))
-
-
-def has_mass_jumps(model: ModuleType) -> bool:
-    """Whether the law of a mass of a module compares something, so that the mass may jump."""
-    return any(law.corners() for law in structure_of(model).open_masses.values())

@@ -21,6 +21,7 @@ from rodgen.loading.generated_module import ModuleFunction, call_module
 from rodgen.model.rod import Boundary
 from rodgen.result import Note
 from rodgen.scene import Scene
+from rodgen.scene.expression import Expression
 from rodgen.system import System
 
 
@@ -167,7 +168,7 @@ class Trajectory(Motion):
         return self.system.structure.has_feedback
 
     @cached_property
-    def time_dependent_loads(self) -> Mapping[str, Callable[[Any], Any]]:  # type: ignore[override]
+    def time_dependent_loads(self) -> Mapping[str, Expression]:  # type: ignore[override]
         """Loads that change with time, by the names of their parameters, each a function of the
         time [s]."""
         return self.system.time_dependent_loads

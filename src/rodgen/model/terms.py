@@ -118,6 +118,8 @@ ROWS = (
         Parameter("foundation_damping", "damping", "damping of the foundation", "", "N s/m",
             "of every joint across the straight rod []",
             rule=NOT_NEGATIVE, default=0.0, each=JOINTS),
+        Parameter("foundation_offset", "through", "offset of the foundation", "", "m",
+            "of its axis from the origin, to the left of its direction []", optional=True),
     )),
     Term("supports", "supports", "supports", "", ANCHOR,
         "springs and dampers from points of the rod to fixed points",
@@ -191,6 +193,7 @@ def describe(name: str) -> str:
 
 (_BASE_TERM,) = (term for term in ROWS if term.kind == BASE)
 MOVING_BASE, BASE_ROWS = _BASE_TERM.name, _BASE_TERM.parameters
+(BASE_ANGLE,) = (one.name for one in BASE_ROWS if one.is_angle)
 THESIS_TERMS = tuple(term.name for term in ROWS if term.thesis)
 
 

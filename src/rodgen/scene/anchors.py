@@ -47,7 +47,8 @@ class SupportPoint:
 @dataclass(frozen=True)
 class Anchors:
     """Supports and foundation of a rod. start: position of joint 0 [m]; numbers: values of the
-    names in expressions; turned: angle of link 0 of a rod without a clamp [rad]."""
+    names in expressions; turned: angle of link 0 of a rod without a clamp [rad]; moved: whether the
+    base moves joint 0."""
 
     rod: RodTable
     supports: Sequence[SupportTable] = ()
@@ -55,6 +56,7 @@ class Anchors:
     start: Sequence[float] = (0.0, 0.0)
     numbers: Numbers = ()
     turned: float = 0.0
+    moved: bool = False
 
     def check(self) -> None:
         """Raise InputError for supports or a foundation that no module can have."""
@@ -74,7 +76,18 @@ class Anchors:
     @property
     def terms(self) -> tuple[str, ...]:
         """Names of their terms in a module."""
-        return ("foundation",) * (self.foundation is not None) + ("supports",) * bool(self.supports)
+        found = ("supports",) * bool(self.supports)
+        if self.foundation is not None:
+            aside = "@through" * (self.through is not None)
+            found = (f"foundation{aside}", *found)
+        return found
+
+    @property
+    def through(self) -> Sequence[float] | None:
+        """Point through which the axis of the foundation goes [m]; None for the origin."""
+        if self.foundation is None:
+            return None
+        return self.foundation.through or (self.start if self.moved else None)
 
     @property
     def parameters(self) -> dict[str, Any]:
@@ -113,7 +126,8 @@ class Anchors:
     def foundation_line(self) -> NDArray[np.float64]:
         """Line across which a foundation acts, as long as the rod, (2, 2); (0, 2) without one."""
         ways = (0.0, self.rod.length) if self.foundation is not None else ()
-        points = [(way * cos(self.angle), way * sin(self.angle)) for way in ways]
+        x, y = self.through or (0.0, 0.0)
+        points = [(x + way * cos(self.angle), y + way * sin(self.angle)) for way in ways]
         return np.array(points).reshape(-1, 2)
 
     def _foundation_parameters(self) -> dict[str, Any]:
@@ -123,7 +137,11 @@ class Anchors:
         width = np.full(links + 1, self.rod.length / links)
         width[[0, -1]] /= 2
         stiffness = self._stiffness.at(np.arange(links + 1) / links)
-        return {
+        aside = {}
+        if (point := self.through) is not None:
+            offset = cos(self.angle) * point[1] - sin(self.angle) * point[0]
+            aside = {"foundation_offset": float(offset)}
+        return aside | {
             "foundation_angle": self.angle,
             "foundation_stiffness": (width * stiffness).tolist(),
             "foundation_damping": (width * self.foundation.damping).tolist(),

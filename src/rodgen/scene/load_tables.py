@@ -52,7 +52,8 @@ def _make_field(parameter: Parameter) -> tuple[Any, Any]:
     """Type and default of a key, for pydantic."""
     if parameter.each == JOINTS:
         return FinFactor | Factors, FinFactor()
-    kind, default = RULES[parameter.rule], parameter.default
+    kind = RULES[parameter.rule]
+    default: Any = parameter.default
     if parameter.each == LINKS:
         kind |= VALUES[parameter.rule] | str
     elif parameter.timed:

@@ -20,7 +20,7 @@ from pydantic import (
 from rodgen.errors import InputError
 from rodgen.model.rod import CLAMP_ANGLE, MASS_WAYS, ROD, Boundary
 from rodgen.model.term import JOINTS, LINKS
-from rodgen.model.terms import BASE_ROWS, MOVING_BASE, PARAMETERS, PLACES
+from rodgen.model.terms import BASE_ANGLE, BASE_ROWS, MOVING_BASE, PARAMETERS, PLACES
 from rodgen.scene import spring_law
 from rodgen.scene import structure as st
 from rodgen.scene.anchors import Anchors
@@ -183,9 +183,16 @@ class SceneTables(Table):
     def _initial_values(self, name: str) -> NDArray[np.float64]:
         """Initial values of the moving links."""
         if name == "phi" and self.initial.phi == REST:
-            shape: NDArray[np.float64] = self.anchors.angle + self.distribution.rest_shape
+            angle = self._start_angle if self.boundary_condition.is_clamped else self.anchors.angle
+            shape: NDArray[np.float64] = angle + self.distribution.rest_shape
             return shape[self.n_fixed_links :]
-        return self.initial.link_values(name, self.rod, self._numbers)
+        straight = self._start_angle if name == "phi" else 0.0
+        return self.initial.link_values(name, self.rod, self._numbers, straight)
+
+    @property
+    def _start_angle(self) -> float:
+        """Angle at the start at which a rod is straight along its clamp [rad]; zero without one."""
+        return (self.rod.clamp_angle or 0.0) + self._base_start_of(BASE_ANGLE)
 
     @property
     def boundary_condition(self) -> Boundary:
@@ -324,7 +331,9 @@ class SceneTables(Table):
         """Supports and foundation of the rod."""
         start = self.initial.position or self._base_start
         turned = self.initial.angle or 0.0
-        return Anchors(self.rod, self.supports, self.foundation, start, self._numbers, turned)
+        placed = any(one.name in self._base_values for one in BASE_ROWS[:2])
+        held = self.rod, self.supports, self.foundation
+        return Anchors(*held, start, self._numbers, turned, placed)
 
     @property
     def _base_start(self) -> tuple[float, float]:
@@ -333,7 +342,7 @@ class SceneTables(Table):
         return x, y
 
     def _base_start_of(self, name: str) -> float:
-        """Coordinate of joint 0 at the start of the span [m]; zero where it is not given."""
+        """Coordinate of the base at the start of the span; zero where it is not given."""
         if name not in self._base_values:
             return 0.0
         e = self.expression(name)

@@ -277,13 +277,18 @@ class SupportTable(Table):
 
 
 class FoundationTable(Table):
-    """Springs and dampers all along the rod, which act across the straight rod through the
-    origin."""
+    """Springs and dampers all along the rod, which act across an axis in the direction of the
+    straight rod."""
 
     stiffness: NotNegative | str = Field(
         description="per length [N/m^2]: a number or an expression in s"
     )
     damping: Expressed[NotNegative] = Field(default=0.0, description="per length [N s/m^2]")
+    through: Pair | None = Field(
+        default=None,
+        description="point `[x, y]` [m] through which the axis goes; without it the origin or, "
+        "where `[base]` moves joint 0, its place at the start",
+    )
 
 
 class InitialTable(Table):
@@ -327,14 +332,16 @@ class InitialTable(Table):
         value."""
         return ("initial.angle", self.angle) if self.phi == REST else ("initial.phi", self.phi)
 
-    def link_values(self, name: str, rod: RodTable, numbers: Numbers) -> NDArray[np.float64]:
+    def link_values(
+        self, name: str, rod: RodTable, numbers: Numbers, default: float
+    ) -> NDArray[np.float64]:
         """Initial angles or rates, by the key, of the moving links; numbers: values of the names in
-        expressions. Raises InputError."""
+        expressions; default: of all, where none are given. Raises InputError."""
         n, field = rod.links, f"initial.{name}"
         links = np.arange(rod.boundary_condition.first, n)
         value = getattr(self, name)
         if value is None:  # at rest and straight, along the clamp where there is one
-            value = (rod.clamp_angle or 0.0) if name == "phi" else 0.0
+            value = default
         if isinstance(value, list):
             if len(value) != len(links):
                 allowed = f"a list of {len(links)} values, one for every moving link"

@@ -1,4 +1,4 @@
-"""Freezing of loads and masses that change with time."""
+"""Freezing of loads, masses and a base that change with time."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from rodgen.errors import InputError, Missing
-from rodgen.model.terms import PARAMETERS
+from rodgen.model.terms import MOVING_BASE, PARAMETERS
 from rodgen.scene import Scene
 from rodgen.scene.plain_tables import is_number, to_plain
 from rodgen.scene.scene import with_values
@@ -36,7 +36,8 @@ def freeze(scene: Scene, t: float) -> Scene:
     """Copy of a scene with all loads and masses constant, as they are at t [s].
 
     Damping in proportion to the mass of the links, such as the thesis's, keeps the mass at the
-    start of the span. Raises InputError for a load that is not finite then.
+    start of the span. A base stays where it is then, and its acceleration is that of a frame: less
+    of it falls freely. Raises InputError for a load that is not finite then.
     """
     changes: dict[str, Any] = {
         scene.key_of(name): float(e(t)) for name, e in scene.time_dependent_loads.items()
@@ -45,8 +46,68 @@ def freeze(scene: Scene, t: float) -> Scene:
         if not np.isfinite(value):
             raise InputError(field, value, f"finite at t = {t:g} s")
     changes |= {scene.key_of(name): values for name, values in scene.link_values_at(t).items()}
-    changes |= masses_at(scene, t)
+    changes |= masses_at(scene, t) | _base_at(scene, t)
     return with_values(scene, changes) if changes else scene
+
+
+def _base_at(scene: Scene, t: float) -> dict[str, Any]:
+    """Gravity in the frame of a base at a time [s], and what stays on the ground where it was, by
+    keys in a scene."""
+    if scene.base is None:
+        return {}
+    changes: dict[str, Any] = {
+        f"supports.{at}.to": [*scene.anchors.fixed_point(support)]
+        for at, support in enumerate(scene.supports)
+    }
+    if (through := scene.anchors.through) is not None:
+        changes["foundation.through"] = [*map(float, through)]
+    acceleration = _base_acceleration(scene, t)
+    if any(acceleration):
+        falling = _free_fall(scene, t)
+        changes["loads.gravity"] = {
+            "acceleration": [g - a for g, a in zip(falling, acceleration, strict=True)]
+        }
+    return changes
+
+
+def _base_acceleration(scene: Scene, t: float) -> tuple[float, float]:
+    """Acceleration at a time [s] of the joint from which the links of a rod go on, without what
+    comes from the speed of its base [m/s^2]."""
+    from rodgen.derive.base_motion import BaseMotion  # SymPy is imported only where it is needed
+    from rodgen.derive.symbols import ALPHA, l
+
+    assert scene.base is not None
+    motion, rod = BaseMotion.of("+".join(scene.base.keys)), scene.rod
+    numbers: dict[Any, float] = {ALPHA: rod.clamp_angle or 0.0, l: rod.length / rod.links}
+    for key in scene.base.keys:
+        e = scene.expression(f"{MOVING_BASE}_{key}")
+        place, rate, growth = getattr(motion, key)
+        numbers |= {place: 0.0 if e is None else float(e(t)), rate: 0.0}
+        numbers[growth] = 0.0 if e is None else float(e.derivative(t, {}, 2))
+        if not np.isfinite(numbers[growth]):
+            allowed = f"of a finite acceleration at t = {t:g} s"
+            raise InputError(f"base.{key}", getattr(scene.base, key), allowed)
+    found = motion.of_first_joint(scene.boundary_condition)
+    x, y = (float(a.subs(numbers)) if a else 0.0 for a in found)
+    return x, y
+
+
+def _free_fall(scene: Scene, t: float) -> tuple[float, float]:
+    """Acceleration of free fall in a scene at a time [m/s^2]."""
+    gravity = scene.loads.gravity
+    if gravity is None:
+        return 0.0, 0.0
+
+    def value(name: str) -> float:
+        e = scene.expression(name)
+        if e is not None and e.signals:
+            allowed = "a number or an expression in t, where the base accelerates"
+            raise InputError(scene.key_of(name), e.text, allowed)
+        return float(scene.loads.value(name) if e is None else e(t))
+
+    if gravity.acceleration is None:
+        return 0.0, -value("gravity")
+    return value("gravity_x"), value("gravity_y")
 
 
 def masses_at(scene: Scene, t: float) -> dict[str, Any]:

@@ -270,7 +270,7 @@ class ParameterMap:
 
     def _anchor_slot(self, keys: tuple[str, ...]) -> ParameterSlot | None:
         """Find the slot of a stiffness or damping that holds joints."""
-        if keys[1 if keys[0] == "foundation" else 2] in ("at", "to"):
+        if keys[1 if keys[0] == "foundation" else 2] in ("at", "to", "through"):
             return None
         places = self._scene.structure.slices
         rows = self._scene.anchors.parameters

@@ -101,8 +101,10 @@ class ChainLoads:
             self.moments[self.chain.place(one.get("at", 1.0))[0]] += self.value(one["moment"])
 
     def gravity(self, load: Table) -> None:
+        x, y = map(self.value, load.get("acceleration", (0.0, 0.0)))
+        down = self.value(load.get("g", 0.0))
         for m, arms in self.chain.masses:
-            self.forces.append((arms, self.of(0), -m * self.of(load["g"])))
+            self.forces.append((arms, m * x, m * (y - down)))
 
     def tip(self, load: Table) -> None:
         x, y = (self.value(load.get(axis, 0.0)) for axis in "xy")

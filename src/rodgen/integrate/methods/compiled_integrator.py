@@ -14,9 +14,10 @@ from numpy.typing import NDArray
 from rodgen.arrays import Array
 from rodgen.emit.targets import target_of
 from rodgen.integrate.events import Bracket, EventDetector, Found, SwitchProgress
+from rodgen.integrate.jumps import Jumps
 from rodgen.integrate.recorder import Recorder
 from rodgen.integrate.stepper import Counts, StepError
-from rodgen.integrate.stretches import EMPTYING_ROW, EventStop, MassJumps, State
+from rodgen.integrate.stretches import EventStop, State
 from rodgen.model.methods import COMPILED, EITHER
 from rodgen.native.native_run import IMPLICIT
 from rodgen.scene.integration import AUTO, IntegrationTable
@@ -65,7 +66,7 @@ class CompiledIntegrator:
         self._numbers = self._run.numbers
         self._states, self._quota, self._block = len(y), FIRST, BLOCK
         self._stretch, self._switch = (-np.inf, np.inf, np.inf), SwitchProgress()
-        self._jumps = MassJumps(model, p)
+        self._jumps = Jumps(model, p)
 
     @property
     def t(self) -> float:
@@ -95,9 +96,9 @@ class CompiledIntegrator:
         return Counts(n.steps, n.rejected, n.rhs, n.jacobian, n.factorisations)
 
     def begin(self, end: float, low: float, high: float, longest: float) -> None:
-        come = self._jumps.begin(self.t, self.y, end, low, high)
-        if come:
-            self._run.state[EMPTYING_ROW] += come
+        jump = self._jumps.begin(self.t, self.y, end, low, high)
+        if jump is not None:
+            jump.add_to(self._run.state, self._states)
         self._stretch = low, high, longest
         self._switch = SwitchProgress(end, self.t)
         self._check_status(self._run.begin(end, low, high, longest))
@@ -115,15 +116,15 @@ class CompiledIntegrator:
 
     def works(self, recorder: Recorder) -> Array:
         work: Array = self._run.state[self._states :].copy()
-        if come := self._jumps.gain_at_end(self.t, self.y):
-            work[EMPTYING_ROW] += come
-        return work
+        jump = self._jumps.at_end(self.t, self.y)
+        return work if jump is None else work + jump.work
 
     def _commit(self, recorder: Recorder, times: Array, rows: Array) -> None:
-        """Commit the samples at these times, the one at the end of the stretch with the energy of
-        masses that jump there."""
-        if len(times) and (come := self._jumps.gain_at_end(float(times[-1]), self.y)):
-            rows[len(times) - 1, EMPTYING_ROW] += come
+        """Commit the samples at these times, the one at the end of the stretch with what jumps
+        there."""
+        jump = self._jumps.at_end(float(times[-1]), self.y) if len(times) else None
+        if jump is not None:
+            jump.add_to(rows[len(times) - 1], self._states)
         recorder.commit(len(times))
 
     def _adapt(self, status: int, took: float) -> None:

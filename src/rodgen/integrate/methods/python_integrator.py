@@ -13,13 +13,14 @@ import numpy as np
 
 from rodgen.arrays import Array
 from rodgen.integrate.events import EventDetector, SwitchProgress
+from rodgen.integrate.jumps import Jumps
 from rodgen.integrate.methods.gauss_steps import GaussEqualSteps, GaussStep
 from rodgen.integrate.methods.python_steppers import CvodeStep, FixedStep, ScipyStep
 from rodgen.integrate.quantity_formulas import loads_at_work
 from rodgen.integrate.recorder import Recorder
 from rodgen.integrate.stability import extra_states_of, largest_stable_step
 from rodgen.integrate.stepper import Counts, InitialValueProblem, Interpolant, StepError, Stepper
-from rodgen.integrate.stretches import EMPTYING_ROW, EventStop, MassJumps, State
+from rodgen.integrate.stretches import EventStop, State
 from rodgen.loading.generated_module import call_module
 from rodgen.model.methods import TABLEAUX
 from rodgen.model.rod import BOUNDARIES
@@ -57,7 +58,7 @@ class PythonIntegrator:
         self._asked: deque[float] = deque(maxlen=RECENT)
         self._stepper: Stepper | None = None
         self._done = Counts()
-        self._work, self._jumps = WorkQuadrature(model, p), MassJumps(model, p)
+        self._work, self._jumps = WorkQuadrature(model, p), Jumps(model, p)
         self._last: tuple[float, Array] | None = None
 
     @property
@@ -87,7 +88,11 @@ class PythonIntegrator:
         return self._switch.goal
 
     def begin(self, end: float, low: float, high: float, longest: float) -> None:
-        self._work.come += self._jumps.begin(self.t, self.y, end, low, high)
+        jump = self._jumps.begin(self.t, self.y, end, low, high)
+        if jump is not None:
+            self.y = self.y.copy()
+            jump.add_to(self.y, len(self.y))
+            self._work.come = self._work.come + jump.work
         self._window, self._longest = (low, high), longest
         self._switch = SwitchProgress(end, self.t)
         self._start_stepper(end)
@@ -158,12 +163,15 @@ class PythonIntegrator:
             if len(between):
                 assert at is not None
                 rows[: len(between), :states] = at(between)
+            jump = self._jumps.at_end(t1, y1) if ends_here else None
             if ends_here:
                 rows[count - 1, :states] = y1
+                if jump is not None:
+                    jump.add_to(rows[count - 1], states)
             whole = count < len(times) or not len(times)
             stop = t1 if whole or ends_here else float(inside[-1])
             if at is not None and self._work.terms and t0 < stop:
-                here = self._jumps.gain_at_end(stop, y1) if ends_here else 0.0
+                here = self._work.none if jump is None else jump.work
                 self._work.add(t0, inside, stop, at, recorder.count, here)
             t0 = stop
             recorder.commit(count)
@@ -205,9 +213,8 @@ class PythonIntegrator:
     def works(self, recorder: Recorder) -> Array:
         self._work.flush(recorder)
         totals = self._work.totals.copy()
-        if come := self._work.come + self._jumps.gain_at_end(self.t, self.y):
-            totals[EMPTYING_ROW] += come
-        return totals
+        jump = self._jumps.at_end(self.t, self.y)
+        return totals + self._work.come + (0.0 if jump is None else jump.work)
 
     def state(self) -> State:
         """Raise ValueError: only compiled methods can be put down."""
@@ -225,14 +232,15 @@ class WorkQuadrature:
         self._model, self._p = model, p
         self.terms = loads_at_work(model)
         self.totals = np.zeros(len(self.terms))
-        self.waiting: list[tuple[Array, Array, Array, list[int], float, float]] = []
-        self.come = 0.0  # energy [J] with masses that have jumped since the last stretch
+        self.waiting: list[tuple[Array, Array, Array, list[int], Array, Array]] = []
+        self.none = np.zeros(len(self.terms))
+        self.come = self.none  # work [J] of what has jumped since the last stretch
 
     def add(
-        self, t0: float, inside: Array, t1: float, at: Interpolant, sample: int, here: float
+        self, t0: float, inside: Array, t1: float, at: Interpolant, sample: int, here: Array
     ) -> None:
         """Add a stretch from t0 to t1 with samples at the times inside, the first of them number
-        ``sample``; here: energy [J] at the last of them of masses that jump there."""
+        ``sample``; here: works [J] at the last of them of what jumps there."""
         ends_here = len(inside) > 0 and inside[-1] == t1
         edges = np.concatenate(([t0], inside, [] if ends_here else [t1]))
         widths = np.diff(edges)
@@ -240,7 +248,7 @@ class WorkQuadrature:
         # Which sample each stretch ends at; the last stretch may end at none.
         samples = [*range(sample, sample + len(inside)), *([] if ends_here else [-1])]
         self.waiting.append((nodes, at(nodes), widths, samples, self.come, here))
-        self.come = 0.0
+        self.come = self.none
 
     def flush(self, recorder: Recorder) -> None:
         """Integrate the power over the steps that wait, and write it into their samples."""
@@ -253,13 +261,13 @@ class WorkQuadrature:
         ends = np.array([sample for some in samples for sample in some])
         last = np.cumsum([len(some) for some in widths]) - 1
         first = np.concatenate(([0], last[:-1] + 1))
-        totals, jumps = self.totals.copy(), len(power) + EMPTYING_ROW
+        totals, come, here = self.totals.copy(), np.array(come), np.array(here)
         for at, values in enumerate(power.values()):
             stretches = width * (values.reshape(-1, len(NODES)) @ WEIGHTS)
-            stretches[first] += come if at == jumps else 0.0
+            stretches[first] += come[:, at]
             sums = totals[at] + np.cumsum(stretches)
             totals[at] = sums[-1]
-            sums[last] += here if at == jumps else 0.0
+            sums[last] += here[:, at]
             for sample, total in zip(ends, sums, strict=True):
                 if sample >= 0:
                     recorder.row(sample)[recorder.states + at] = total
