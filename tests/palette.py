@@ -13,10 +13,12 @@ from typing import Any
 import pytest
 
 from rodgen.model.rod import BOUNDARIES, INERTIAS
+from rodgen.model.term import BASE
 from rodgen.model.terms import TERMS, THESIS_TERMS
 from rodgen.scene.structure import Structure
 
-ALL = tuple(TERMS)
+# All loads; what moves a base is nothing without keys.
+ALL = tuple(name for name, term in TERMS.items() if term.kind != BASE)
 # What is derived and compiled grows faster than the number of loads: most structures have half of
 # them, those at joints and ends or those all along the rod; a load that is new joins the latter.
 ENDS = (*THESIS_TERMS, "tip_load")

@@ -177,7 +177,7 @@ def tables() -> dict[str, dict[str, Iterator[str]]]:
     return {
         "scenes.md": {
             "scene": _first(),
-            "rod": _tables("rod", "bodies", "supports", "foundation"),
+            "rod": _tables("rod", "bodies", "supports", "foundation", "base"),
             "loads": _loads(),
             "run": _tables("states", "initial", "events", "integrate"),
             "boundaries": _boundaries(),

@@ -10,6 +10,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from importlib import import_module
 
+from rodgen.model.term import BASE
 from rodgen.model.terms import TERMS as ROWS
 from rodgen.model.terms import load_places
 
@@ -17,7 +18,8 @@ from .kinds import Load
 
 # By term, in the order in which names list them.
 LOADS: dict[str, Load] = {term: import_module(f".{term}", __name__).LOAD for term in ROWS}
-TERMS = tuple(LOADS)
+# Those that need no keys to be something.
+TERMS = tuple(term for term in LOADS if ROWS[term].kind != BASE)
 
 
 def loads_of(terms: Sequence[str]) -> dict[str, Load]:

@@ -3,7 +3,7 @@
     PointForce    a force on a point of a link, dead or turning with the link (point_force.py)
     PointMoment   a moment on the link of a point, which has a potential (point_moment.py)
     LinkForce     a force on every link, at one share of each (link_force.py)
-    MassForce     a force on all mass, in proportion to it, which has a potential
+    MassForce     a force on all mass, in proportion to it; a potential while it does not change
     JointMoment   a moment across every joint, by the rates of the links that meet there
     JointDrag     a force on every joint that moves, by its velocity (joint_drag.py)
     Foundation    springs and dampers from every joint that moves to the ground (foundation.py)

@@ -14,11 +14,11 @@ from rodgen.errors import InputError
 from rodgen.integrate.quantity_formulas import MotionSlice
 from rodgen.model.quantities import watchable_names
 from rodgen.model.rod import BOUNDARIES
-from rodgen.model.terms import TERMS, THESIS_TERMS
+from rodgen.model.terms import THESIS_TERMS
 from rodgen.scene import Scene
 from rodgen_live.plot_quantities import KINDS, Catalogue
 from rodgen_live.sample_store import Chunk
-from tests.palette import ENDS
+from tests.palette import ALL, ENDS
 
 Make = Callable[..., Scene]
 # Links, terms and more of [rod], for each boundary, of structures that others build too.
@@ -26,7 +26,7 @@ HELD: dict[str, tuple[int, tuple[str, ...], dict[str, Any]]] = {
     "free": (5, THESIS_TERMS, {}),
     "pinned": (3, ("internal_damping",), {"inertia": "lumped"}),
     "clamped": (3, ENDS, {"clamp_angle": 0.4}),
-    "cantilever": (2, tuple(TERMS), {"clamp_angle": 0.4}),
+    "cantilever": (2, ALL, {"clamp_angle": 0.4}),
 }
 
 

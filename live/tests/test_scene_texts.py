@@ -10,7 +10,6 @@ import pytest
 import rodgen
 from live.tests.conftest import SCENES
 from rodgen.errors import InputError
-from rodgen.model.terms import TERMS
 from rodgen.scene import Scene
 from rodgen.system import System
 from rodgen_live.run.critical_search import critical_number
@@ -22,6 +21,7 @@ from rodgen_live.run.scene_edits import (
     structure_form,
 )
 from rodgen_live.run.scene_text import SceneFolder, edited_text, refused_line
+from tests.palette import ALL
 
 FOLDER = SceneFolder(SCENES)
 
@@ -42,7 +42,7 @@ def test_text_keeps_what_has_not_changed(path: Path) -> None:
     assert (old.startswith("- length ="), new.startswith("+ length = 7.25")) == (True, True)
     assert new.partition("#")[2] == old.partition("#")[2]
     form = structure_form(scene)
-    for terms in ((), tuple(TERMS)):
+    for terms in ((), ALL):
         other = reshape(scene, StructureForm(form.links, form.boundary, form.inertia, terms), {})
         made = edited_text(text, scene, other)
         assert FOLDER.parse(made) == other

@@ -27,7 +27,7 @@ from rodgen_live.panel_rows import (
     row_groups,
 )
 from rodgen_live.sample_store import Chunk
-from tests.palette import ENDS
+from tests.palette import ALL, ENDS
 
 Make = Callable[..., Scene]
 NAMES = "follower_force", "follower_angle"
@@ -154,7 +154,7 @@ def test_rows_are_those_of_the_scene(make_scene: Make, links: int, terms: tuple[
     assert ("gravity_energy" in rows) == bool(potentials & {*terms})
     assert ("spring_stiffness" in rows) == (links > 1)
     assert ("fin_factor_body" in rows) == ("external_damping" in terms and links > 1)
-    for term in TERMS:
+    for term in ALL:
         assert (f"work_{term}" in rows) == (term in terms and term not in potentials)
     for name in scene.structure.parameters:
         other = name in ("fin_factor", *scene.structure.numbers)

@@ -17,7 +17,7 @@ from rodgen.model.rod import BOUNDARIES, INERTIAS
 from rodgen.model.terms import TERMS
 from rodgen.scene.structure import Structure
 from tests.generated.conftest import Built, Written
-from tests.palette import ALONG, ENDS, can_move, cases
+from tests.palette import ALL, ALONG, ENDS, can_move, cases
 from tests.reference import GENERATED
 
 EPSILON = np.finfo(float).eps
@@ -68,7 +68,7 @@ def test_module_equals_fifty_digit_arithmetic(
 
 
 # Of three links, of which one is inside.
-@cases("boundary, inertia, form, term", BOUNDARIES, INERTIAS, FORMS, TERMS)
+@cases("boundary, inertia, form, term", BOUNDARIES, INERTIAS, FORMS, ALL)
 def test_module_of_one_load_is_right_and_holds_only_that(
     exact: Callable[[Structure, str], ast.Module], boundary: str, inertia: str, form: str, term: str
 ) -> None:

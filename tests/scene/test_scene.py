@@ -141,10 +141,10 @@ forces = st.floats(-1e6, 1e6) | st.sampled_from(["7*2", "sin(t)", "t if t < 1 el
 def test_a_scene_and_a_module_allow_the_same_values(make_scene: Callable[..., Scene]) -> None:
     """A scene refuses what `parameters` of a module refuses, and takes the rest."""
     loads = tuple(name for name, term in TERMS.items() if term.is_load)
-    given = make_scene(5, "clamped", loads).to_dict()
+    given = make_scene(5, "clamped", loads).to_dict() | {"base": {"x": 0.0}}
     for (name, (table, *keys)), value in product(PLACES.items(), (-1.0, 0.0, 1e-9, 1.0)):
         parameter, scene = PARAMETERS[name], copy.deepcopy(given)
-        inner = scene[table] if table == "rod" else scene[table][keys[0]]
+        inner = scene[table] if len(keys) == 1 else scene[table][keys[0]]
         if parameter.part is None:
             inner[parameter.key] = [value] * 6 if parameter.each == JOINTS else value
         else:

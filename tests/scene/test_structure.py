@@ -8,6 +8,7 @@ from rodgen.emit.targets import check_output
 from rodgen.model.rod import BOUNDARIES, NONUNIFORM, STEADY
 from rodgen.model.terms import PARAMETERS, PLACES, TERMS, THESIS_TERMS
 from rodgen.scene.structure import Structure, parse_terms
+from tests.palette import ALL
 from tests.told import refused
 
 DIFFERING = {one.name for way in NONUNIFORM.values() for one in way.parameters} | {
@@ -17,7 +18,10 @@ DIFFERING = {one.name for way in NONUNIFORM.values() for one in way.parameters} 
 
 def test_every_parameter_has_its_place_in_p_and_in_a_scene() -> None:
     key = {"distributed_follower": "@angle", "gravity": "@acceleration"}
-    everything = Structure(3, "clamped", terms=tuple(f"{x}{key.get(x, '')}" for x in TERMS))
+    key |= {"foundation": "@through", "base": "@x+y+angle"}
+    everything = Structure(
+        3, "clamped", terms=tuple(f"{x}{key.get(x, '')}" for x in (*ALL, "base"))
+    )
     replaced = {"gravity"}
     assert (
         everything.parameters
@@ -27,9 +31,11 @@ def test_every_parameter_has_its_place_in_p_and_in_a_scene() -> None:
             *("gravity_x", "gravity_y", "internal_damping", "external_damping", "clamp_angle"),
             *("tip_force_x", "tip_force_y"),
             *("material_damping_time", "distributed_follower_angle", "foundation_angle"),
+            "foundation_offset",
             *("support_angle", "drag_normal", "drag_tangential", "wind_x", "wind_y"),
             *("viscous_drag_normal", "viscous_drag_tangential"),
             *("viscous_drag_wind_x", "viscous_drag_wind_y", "moment_size"),
+            *("base_x", "base_y", "base_angle"),
             *("fin_factor", "distributed_follower", "foundation_stiffness", "foundation_damping"),
             *(one.name for one in TERMS["supports"].parameters if one.is_array),
         )
@@ -45,10 +51,10 @@ def test_every_parameter_has_its_place_in_p_and_in_a_scene() -> None:
 
 def test_order_of_expressions_does_not_matter() -> None:
     pairs = (("tip_force_x", "t"), ("follower_force", "2 * t"))
-    one, two = (Structure(3, terms=TERMS, expressions=e) for e in (pairs, pairs[::-1]))
+    one, two = (Structure(3, terms=ALL, expressions=e) for e in (pairs, pairs[::-1]))
     assert one == two
     assert one.hash == two.hash
-    wrong = {"internal_damping": TERMS, "tip_force_x": THESIS_TERMS, "follower_force": ()}
+    wrong = {"internal_damping": ALL, "tip_force_x": THESIS_TERMS, "follower_force": ()}
     for name, terms in wrong.items():
         told = refused(Structure, 3, terms=tuple(terms), expressions=((name, "t"),))
         assert told[:2] == ("expressions", name)
@@ -63,7 +69,7 @@ def test_names_of_modules() -> None:
         Structure(5, "pinned", terms=()): "rod_pinned_n5_conservative",
         Structure(5, "clamped", "lumped", ("tip_load",)): "rod_clamped_n5_tip_load_lumped",
         Structure(5, inertia="lumped"): "rod_free_n5_lumped",
-        Structure(2, terms=TERMS): f"rod_free_n2_{'_'.join(TERMS)}",
+        Structure(2, terms=ALL): f"rod_free_n2_{'_'.join(ALL)}",
     }
     for (structure, stem), (output, ending) in product(structures.items(), NAMES):
         assert structure.stem == structure.module_stem() == stem

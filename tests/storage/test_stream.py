@@ -17,7 +17,8 @@ import rodgen
 from rodgen.integrate.files import netcdf, stream
 from rodgen.integrate.files.file_layout import RunState
 from rodgen.integrate.files.stream import Stream
-from rodgen.model.terms import TERMS, THESIS_TERMS
+from rodgen.model.terms import THESIS_TERMS
+from tests.palette import ALL
 from tests.storage.conftest import STATS
 from tests.told import refused
 
@@ -26,7 +27,7 @@ Make = Callable[..., Any]
 FOLLOWING = {
     *("tip", "total_energy", "principal_angle", "principal_moments"),
     *("principal", "state_units", "bending_moments"),
-    *(f"force_{term}" for term in TERMS),
+    *(f"force_{term}" for term in ALL),
 }
 
 
@@ -34,7 +35,7 @@ FOLLOWING = {
     ("boundary", "inertia", "terms"),
     [
         ("free", "uniform", THESIS_TERMS),
-        pytest.param("cantilever", "lumped", TERMS, marks=pytest.mark.slow),
+        pytest.param("cantilever", "lumped", ALL, marks=pytest.mark.slow),
         pytest.param("clamped", "uniform", THESIS_TERMS, marks=pytest.mark.slow),
         pytest.param("pinned", "lumped", THESIS_TERMS, marks=pytest.mark.slow),
     ],

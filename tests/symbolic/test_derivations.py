@@ -16,6 +16,7 @@ from rodgen.derive.general import GeneralEquations
 from rodgen.derive.generic_chain import AtSprings, GenericChain
 from rodgen.derive.link_properties import INERTIAS
 from rodgen.derive.loads import LOADS, TERMS
+from rodgen.derive.loads.base import Base
 from rodgen.derive.loads.distributed_follower import DistributedFollower
 from rodgen.derive.loads.follower import Follower
 from rodgen.derive.loads.foundation import Foundation
@@ -32,6 +33,7 @@ from rodgen.derive.proofs import DisagreementError
 from rodgen.derive.proofs import any_n as proof_any_n
 from rodgen.derive.proofs.any_n import prove_any_n
 from rodgen.derive.proofs.explicit_proof import prove_explicit
+from rodgen.derive.proofs.joint_force_proof import prove_joint_forces
 from rodgen.derive.proofs.rational_points import prove_at_points
 from rodgen.derive.symbols import l, m, omega, xi
 from rodgen.model import rod, terms
@@ -58,7 +60,7 @@ def test_explicit_derivation_equals_the_closed_form(
 @RODS
 def test_any_n_equals_the_closed_form(boundary: str, inertia: str) -> None:
     names = {c.name for c in prove_any_n(boundary, inertia)}
-    letters = {load.letter for load in LOADS.values()}
+    letters = {LOADS[term].letter for term in TERMS}
     laws = {"D_e force law", "W force law", "D_w force law", "D_v force law"}
     assert names == {"sizes", "M", "Q", "K", "joints", *letters, *laws}
 
@@ -72,6 +74,24 @@ def test_every_term_is_proven_where_it_is_alone(boundary: str, term: str) -> Non
     ):
         names = {c.name for c in proof} - {"sizes", f"{name} force law"}
         assert names == {"M", "Q", "K", "joints", name}
+
+
+@pytest.mark.parametrize("keys", ["x", "y", "x+y", "angle", "x+y+angle"])
+@pytest.mark.parametrize("boundary", ["pinned", "clamped", "cantilever"])
+@pytest.mark.parametrize("inertia", INERTIAS)
+def test_a_moving_base_is_proven_in_all_derivations(boundary: str, keys: str, inertia: str) -> None:
+    """Derivation 1 has its coordinates as given functions of time; with a damper, whose rates
+    count from that of the clamp."""
+    if "angle" in keys and not BOUNDARIES[boundary].is_clamped:
+        return
+    terms_ = ("material_damping", f"base@{keys}")
+    for proof in (
+        prove_any_n(boundary, inertia, terms_),
+        prove_explicit(2, boundary, inertia, terms_),
+        prove_at_points(20, boundary, inertia, terms_),
+    ):
+        assert "B" in {c.name for c in proof}
+    assert list(prove_joint_forces(3, boundary, inertia, terms_))
 
 
 @cases("boundary, links, inertia", BOUNDARIES, (1, 20), INERTIAS, where=can_move)
@@ -271,6 +291,7 @@ def test_scene_and_derivation_offer_the_same() -> None:
         terms.DRAG: JointDrag,
         terms.ANCHOR: (Foundation, Supports),
         terms.SPREAD: LinkForce,
+        terms.BASE: Base,
     }
     for term, row in terms.TERMS.items():
         assert isinstance(LOADS[term], kinds[row.kind])

@@ -140,6 +140,7 @@ def _context(
     moving, in_time = n - boundary_condition.first, functions_in_time(structure)
     laws = (*structure.laws.values(), *structure.open_masses.values())
     texts = structure.open_expressions | structure.open_along
+    moved = [e for name, e in texts.items() if name in structure.base_parameters]
     size = moving + 2 * boundary_condition.translates
     added = {name: 2 * size + at for at, name in enumerate(structure.state_names)}
     slots = _input_slots(boundary_condition.translates, moving)
@@ -161,7 +162,8 @@ def _context(
         "added_rates": structure.open_rates,
         "signal_names": _signal_names(functions),
         "cubic": any(e.has_cubic for e in (*texts.values(), *laws)),
-        "tables": any(e.has_table for e in laws),
+        "tables": any(e.has_table for e in (*laws, *moved)),
+        "bends": any(e.has_table for e in moved),
         "boundary": structure.boundary,
         "inertia": structure.inertia,
         "terms": structure.terms,

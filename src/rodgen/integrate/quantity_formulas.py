@@ -52,7 +52,7 @@ class Motion:
     change with time, by the names of their parameters; has_feedback: whether the module has sensors
     or loads that follow the motion; energy_input: what changes and kicks have put in since the
     start [J], (...) or a number; start_energy: at the start [J]. Trajectory and MotionSlice have
-    all of these, and `parameter` and `evaluate`.
+    all of these, and `parameter`, `has_parameter` and `evaluate`.
     """
 
     t: Array
@@ -67,6 +67,10 @@ class Motion:
 
     def parameter(self, name: str) -> Array | float:
         """A parameter of the module that is a number, (...) or one for all samples."""
+        raise NotImplementedError
+
+    def has_parameter(self, name: str) -> bool:
+        """Whether the module has a parameter of this name."""
         raise NotImplementedError
 
     def evaluate(self, function: str | ModuleFunction, *arrays: Array) -> Any:
@@ -136,6 +140,9 @@ class MotionSlice(Motion):
         """A parameter of the module that is a number; 0 for one that it does not have."""
         names = self.model.PARAMETERS
         return float(self.p[names.index(name)]) if name in names else 0.0
+
+    def has_parameter(self, name: str) -> bool:
+        return name in self.model.PARAMETERS
 
     def evaluate(self, function: str | ModuleFunction, *arrays: Array) -> Any:
         return stack_parts(call_module(self.model, function, self.t, *arrays, self.p))
@@ -212,7 +219,8 @@ def _clamp_angle(motion: Motion, rate: bool = False) -> Array | float:
     fixed = 0.0 if rate else motion.parameter(CLAMP_ANGLE.name)
     law = motion.time_dependent_loads.get(BASE_ANGLE)
     if law is None:
-        return fixed if rate else fixed + motion.parameter(BASE_ANGLE)
+        turned = not rate and motion.has_parameter(BASE_ANGLE)
+        return fixed + motion.parameter(BASE_ANGLE) if turned else fixed
     turned = law.derivative(motion.t, {}) if rate else law(motion.t)
     return fixed + np.broadcast_to(turned, motion.t.shape)
 

@@ -193,6 +193,13 @@ class Trajectory(Motion):
             return made(self.t, *arrays, self.system.p)
         return self.changes.call_piecewise(made, (self.t, *arrays))
 
+    def has_parameter(self, name: str) -> bool:
+        """Whether the module has a parameter of this name.
+
+        name: as in `Scene.parameters`.
+        """
+        return name in self.system.structure.slices
+
     def parameter(self, name: str) -> Array:
         """A parameter of the module at every sample, (T,) in SI units; of several numbers, (T, K).
 

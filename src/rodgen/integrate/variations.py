@@ -60,7 +60,9 @@ class StepSettings:
 
     @classmethod
     def of(cls, scene: Scene) -> StepSettings:
-        """Settings of a scene in its span; dop853 where its method takes no tangents along."""
+        """Settings of a scene in its span; dop853 where its method takes no tangents along. Raises
+        InputError for a base whose velocity jumps."""
+        scene.time_laws.check_base_is_smooth()
         settings: IntegrationTable = scene.integrate
         method = settings.method if settings.method in METHODS else "dop853"
         stretches = Stretches.of(scene.time_laws, settings.has_fixed_step)

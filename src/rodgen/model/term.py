@@ -38,10 +38,10 @@ class Parameter:
     function of time; each: what it has a number, or two, for each of, JOINTS, LINKS, SPRINGS or
     KNOTS, where it is several; scales: the load is in proportion to it; decades: a slider moves
     over powers of ten; most: the largest value that it may have; fixed: another value needs another
-    module; optional: a module has it only where a scene has its key; unless: a module, and a scene,
-    has it only where the scene has not this key, of an optional one; links_power: for one and the
-    same rod it grows as this power of the number of links; by_mass: its effect is in proportion to
-    the mass of the links at the start of the span.
+    module; optional: a module has it only where a scene has its key; unless: the key of optional
+    ones that stand in its place where a scene has that; links_power: for one and the same rod it
+    grows as this power of the number of links; by_mass: its effect is in proportion to the mass of
+    the links at the start of the span.
     """
 
     name: str
@@ -71,7 +71,7 @@ class Parameter:
         """Path of keys in its table of a scene."""
         return (self.key,) if self.part is None else (self.key, str(self.part))
 
-    def is_among(self, keys: Collection[str]) -> bool:
+    def is_there(self, keys: Collection[str]) -> bool:
         """Whether a module has it that has the optional parameters of these keys."""
         return self.key in keys if self.optional else not (self.unless and self.unless in keys)
 
@@ -180,7 +180,7 @@ class Term:
     def parameters_with(self, keys: str) -> tuple[Parameter, ...]:
         """Parameters of the load in a module, with the optional ones of some keys: "x+y"."""
         given = keys.split("+")
-        return tuple(one for one in self.parameters if one.is_among(given))
+        return tuple(one for one in self.parameters if one.is_there(given))
 
     @property
     def initial_table(self) -> dict[str, Any]:

@@ -161,8 +161,8 @@ class LoadTables(Table):
         for name, keys in self.table_keys.items():
             term = TERMS[name]
             place = place_text(getattr(get_at(self, *keys), "at", 1.0), links)
-            options = (one.key for one in term.parameters if one.optional and one.name in given)
-            place = next(options, place)
+            options = [one.key for one in term.parameters if one.optional and one.name in given]
+            place = "+".join(dict.fromkeys(options)) or place
             found.append(f"{term.base_name}@{place}" if place else term.base_name)
         return tuple(found)
 

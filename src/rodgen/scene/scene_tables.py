@@ -20,7 +20,7 @@ from pydantic import (
 from rodgen.errors import InputError
 from rodgen.model.rod import CLAMP_ANGLE, MASS_WAYS, ROD, Boundary
 from rodgen.model.term import JOINTS, LINKS
-from rodgen.model.terms import BASE_ANGLE, BASE_ROWS, MOVING_BASE, PARAMETERS, PLACES
+from rodgen.model.terms import BASE_ANGLE, BASE_ROWS, MOVING_BASE, PARAMETERS, PLACES, boundary_of
 from rodgen.scene import spring_law
 from rodgen.scene import structure as st
 from rodgen.scene.anchors import Anchors
@@ -196,8 +196,8 @@ class SceneTables(Table):
 
     @property
     def boundary_condition(self) -> Boundary:
-        """Boundary condition at the start of the rod."""
-        return self.rod.boundary_condition
+        """Boundary condition at the start of the rod, which a base moves or not."""
+        return boundary_of(self.rod.boundary, () if self.base is None else (MOVING_BASE,))
 
     @property
     def n_fixed_links(self) -> int:

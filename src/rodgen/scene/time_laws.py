@@ -26,6 +26,7 @@ PLACES = (0.05, 0.5, 0.95)  # s at which a load along the rod is looked at
 ON_A_CORNER = 1e-7
 # Of the largest place of a base within the span: less is rounding, more a jump.
 SAME = 1e-9
+MANY = 101  # times at which its size is looked at
 FEW = 5_000  # numbers that are computed with at once
 MOST_FRONTS = 20_000  # break points of what moves along the rod, beyond which they are left out
 BENDS = "bend"
@@ -175,6 +176,18 @@ class TimeLaws:
                 )
                 raise InputError(e.field, e.text, allowed)
 
+    def check_base_is_smooth(self) -> None:
+        """Raise InputError for a base whose velocity jumps: tangents of a motion do not know what
+        that does to them."""
+        for e in self.base:
+            fastest = np.abs(e.derivative(np.linspace(self.start, self.end, MANY), {})).max()
+            for at in (self.start, *e.breaks(self.start, self.end), self.end):
+                near = 16 * np.spacing(max(abs(at), self.end - self.start))
+                before, after = (float(e.derivative(at + by, {})) for by in (-near, near))
+                if abs(after - before) > SAME * max(fastest, abs(after), abs(before)):
+                    allowed = f"of a velocity without jumps (not at t = {at:.9g})"
+                    raise InputError(e.field, e.text, allowed)
+
     @cached_property
     def _front_times(self) -> tuple[float, ...]:
         """Times at which a break point that moves along the rod passes a quadrature point; none
@@ -246,7 +259,7 @@ def check_motion(e: Expression, start: float, end: float) -> None:
     if e.has_linear_table:
         allowed = 'without tables of straight lines: interp(t, ..., "cubic") has an acceleration'
         raise InputError(e.field, e.text, allowed)
-    largest = float(np.nanmax(np.abs(e(np.linspace(start, end, 101)))))
+    largest = float(np.nanmax(np.abs(e(np.linspace(start, end, MANY)))))
     for at in (start, *e.breaks(start, end), *e.poles(start, end), end):
         near = 16 * np.spacing(max(abs(at), abs(end - start)))
         sides = e(np.array([max(start, at - near), at, min(end, at + near)]))

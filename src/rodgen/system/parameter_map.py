@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Any
@@ -15,7 +15,7 @@ from pydantic import TypeAdapter, ValidationError
 from rodgen.arrays import Array
 from rodgen.errors import InputError
 from rodgen.model.rod import MASS_WAYS
-from rodgen.model.terms import PARAMETERS
+from rodgen.model.terms import MOVING_BASE, PARAMETERS
 from rodgen.scene import Scene
 from rodgen.scene.expression import Expression, open_expression
 from rodgen.scene.keys import NUMBERS, expression_texts, is_index
@@ -139,6 +139,7 @@ class ParameterMap:
             NUMBERS: self._number_slot,
             "initial": self._initial_slot,
             "states": self._state_slot,
+            "base": self._base_slot,
             "foundation": self._anchor_slot,
             "supports": self._anchor_slot,
         }
@@ -180,6 +181,21 @@ class ParameterMap:
         parts = {"nose": every[:1], "body": every[1:-1], "tail": every[-1:]}
         return self._make_slot(keys, parts[inner]) if inner in parts else None
 
+    def _base_slot(self, keys: tuple[str, ...]) -> ParameterSlot | None:
+        """Find the slot of a coordinate of the base that is a number."""
+        name = f"{MOVING_BASE}_{keys[1]}"
+        if not self._moves_alone(()) or self._source.base != self._scene.base:
+            return None
+        at = np.array([self._scene.structure.indices[name]], dtype=np.intp)
+        return self._make_slot(keys, at)
+
+    def _moves_alone(self, laws: Iterable[Expression]) -> bool:
+        """Whether a number of some laws of the base changes nothing but these: no state at the
+        start, nothing that stays on the ground, and no jump of a place."""
+        scene = self._scene
+        at_start = scene.supports or scene.foundation or scene.boundary_condition.is_clamped
+        return not at_start and not any(e.jumps() for e in laws)
+
     def _follows_mass(self, name: str) -> bool:
         """Whether a parameter was changed for masses that change with time."""
         return PARAMETERS[name].by_mass and bool(self._source.distribution.changing_masses)
@@ -220,6 +236,10 @@ class ParameterMap:
         along = {e.text for e in scene.loads_along_rod.values()}
         if any(e.has_table or e.text in along for e in laws):
             return None
+        moved = [e for name, e in scene.expressions.items() if name in structure.base_parameters]
+        of_base = [e for e in laws if e in moved]
+        if of_base and not self._moves_alone(of_base):
+            return None
         known, naming = {e.text for e in laws}, re.compile(rf"\b{re.escape(number)}\b")
         if {text for text in self._expression_texts if naming.search(text)} - known:
             return None
@@ -238,6 +258,8 @@ class ParameterMap:
         prefix, e = texts.get(keys[:-1], ("", None))
         name = f"{prefix}_{at + 1}"
         if e is None or e.has_table or name not in structure.indices:
+            return None
+        if keys[0] == MOVING_BASE and not self._moves_alone((e,)):
             return None
         open_text, values = e.with_parameters(prefix)
         law = open_expression(open_text, "t", tuple(scene.states)).with_values(values)

@@ -382,8 +382,8 @@ class System:
 
     @property
     def boundary_condition(self) -> Boundary:
-        """Boundary condition at the start of the rod."""
-        return self._base.boundary_condition
+        """Boundary condition at the start of the rod, which a base moves or not."""
+        return self.structure.boundary_condition
 
     @cached_property
     def events(self) -> tuple[EventTable, ...]:

@@ -22,6 +22,7 @@ from rodgen.arrays import Array
 from rodgen.dataset_result import POINT, SPECIAL
 from rodgen.errors import InputError
 from rodgen.integrate.quantity_formulas import MotionSlice
+from rodgen.loading.generated_module import call_module
 from rodgen.result import Row
 from rodgen.scene import Scene
 from rodgen.system import System
@@ -110,15 +111,13 @@ def _point_values(problem: CycleFamily, u: Array) -> dict[str, Any]:
     x, values = problem.sample_motion(u, SAMPLES)
     y = problem.quotient.lift(x)
     times: Array = orbit.t + orbit.period / SAMPLES * np.arange(SAMPLES, dtype=float)
-    tips = model.joints(y, p)[:, -1]
+    tips = call_module(model, "joints", times, y, p)[:, -1]
     if problem.search.given.boundary_condition.translates:
-        tips = tips - model.centre_of_gravity(y, p)
-    powers = [model.power(float(t), one, p) for t, one in zip(times, y, strict=True)]
+        tips = tips - call_module(model, "centre_of_gravity", times, y, p)
+    has_power = hasattr(model, "power")
+    powers = call_module(model, "power", times, times, y, p) if has_power else {}
     # The mean over a whole period of a smooth periodic function: the trapezoidal rule is exact.
-    work = {
-        name: orbit.period * float(np.mean([power[name] for power in powers]))
-        for name in (powers[0] if hasattr(model, "power") else ())
-    }
+    work = {name: orbit.period * float(np.mean(power)) for name, power in powers.items()}
     errors = np.sort(np.abs(problem.multipliers(u) - 1))[: problem.trivial]
     return values | {
         "value": problem.value(u),

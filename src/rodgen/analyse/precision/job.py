@@ -229,7 +229,8 @@ class Measures:
         return int(y.shape[1] - len(self.job.scene.states)) // 2
 
     def _tail(self, y: Array) -> Array:
-        joints: Array = self.job.model.joints(y, self.job.p)
+        t = self.job.scene.integrate.sample_times
+        joints: Array = call_module(self.job.model, "joints", t, y, self.job.p)
         return joints[:, -1]
 
     def _energies(self, y: Array) -> tuple[Array, Array, Array]:

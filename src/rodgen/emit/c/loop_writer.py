@@ -39,7 +39,7 @@ SCENE = Language(
     part="p + {start}{first}",
     tables={
         kind: f"{kind}({{0}}, {{1}}, {{2}}, {{3}})"
-        for kind in (LINEAR, CUBIC, LINEAR + SLOPE, CUBIC + SLOPE)
+        for kind in (LINEAR, CUBIC, LINEAR + SLOPE, CUBIC + SLOPE, CUBIC + SLOPE + SLOPE)
     },
 )
 EQUATIONS = Dialect(

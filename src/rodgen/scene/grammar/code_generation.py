@@ -126,6 +126,7 @@ NUMPY = Language(
         CUBIC: "_cubic({0}, {1}, {2})",
         LINEAR + SLOPE: "_linear_slope({0}, {1}, {2})",
         CUBIC + SLOPE: "_cubic({0}, {1}, {2}, True)",
+        CUBIC + SLOPE + SLOPE: "_cubic({0}, {1}, {2}, 2)",
     },
 )
 

@@ -98,13 +98,13 @@ class TableData:
         return -float(off[at]), first, first + at, last
 
     def at(self, x: Any, kind: str) -> Any:
-        """Evaluate the table or its slope at x, by the kind of interpolation. Outside of its knots
-        it keeps its first and last value."""
+        """Evaluate the table or a derivative at x, by the kind of interpolation. Outside of its
+        knots it keeps its first and last value."""
         knots, values = self.knots, self.values
         if kind == CUBIC:
             return self._monotone_cubic(np.clip(x, knots[0], knots[-1]))
-        if kind == CUBIC + SLOPE:
-            slopes = self._monotone_cubic.derivative()(x)
+        if kind.startswith(CUBIC):
+            slopes = self._monotone_cubic.derivative(kind.count(SLOPE))(x)
         else:
             at = np.clip(np.searchsorted(knots, x, side="right") - 1, 0, len(knots) - 2)
             slopes = (values[at + 1] - values[at]) / (knots[at + 1] - knots[at])

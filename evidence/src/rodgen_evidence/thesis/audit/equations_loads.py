@@ -13,6 +13,7 @@ from rodgen.derive.loads.gravity import LOAD as GRAVITY
 from rodgen.derive.loads.internal_damping import LOAD as DAMPING
 from rodgen.derive.loads.joint_drag import JointMotion, joint_angle, joint_mass
 from rodgen.derive.symbols import l, m, s
+from rodgen.model.rod import BOUNDARIES
 from rodgen_evidence.thesis.audit.claim import NOT_PRINTED, READ, Claim, Entries
 from rodgen_evidence.thesis.audit.equations_energy import HALF
 from rodgen_evidence.thesis.audit.equations_matrices import (
@@ -100,7 +101,7 @@ def gravity_vector(a_g: Expr, base: int = 1) -> Entries:
 
 def derived_weight(n: int) -> Expr:
     """Weight of a link, upwards."""
-    return GRAVITY.weight(m)[1].xreplace(LETTERS)
+    return GRAVITY.weight(m, BOUNDARIES["free"])[1].xreplace(LETTERS)
 
 
 speed = Symbol("v", positive=True)

@@ -10,6 +10,7 @@ from sympy import Expr, S, Symbol
 
 from rodgen.derive.loads import gravity
 from rodgen.derive.symbols import k, l, m, vx0, vy0
+from rodgen.model.rod import BOUNDARIES
 from rodgen_evidence.thesis.audit.claim import Entries
 from rodgen_evidence.thesis.audit.java_equation import FreeRodModel
 from rodgen_evidence.thesis.audit.java_object import JavaArray
@@ -115,7 +116,7 @@ def centre(n: int) -> Column:
 
 def gravity_energy(n: int) -> Expr:
     """Minus the work of the weights from the origin."""
-    force = (f.xreplace(LETTERS) for f in gravity.LOAD.weight(n * m))
+    force = (f.xreplace(LETTERS) for f in gravity.LOAD.weight(n * m, BOUNDARIES["free"]))
     return -sum((f * c for f, c in zip(force, centre(n), strict=True)), S.Zero)
 
 

@@ -16,6 +16,7 @@ from rodgen.derive.explicit import ExplicitDerivation
 from rodgen.derive.loads import external_damping, follower, gravity, internal_damping
 from rodgen.derive.polynomials import TIME
 from rodgen.derive.symbols import PARAMETERS, l, m, vx0, vy0, x0, xi, y0
+from rodgen.model.rod import BOUNDARIES
 
 MOST = 6  # links
 phi = symbols(f"phi_0:{MOST}", real=True)
@@ -193,7 +194,7 @@ class TrueEquations:
         weights = [
             (poly(f), d.mean(d.time_derivative(c)))
             for point in d.link_points
-            for f, c in zip(gravity.LOAD.weight(m), point, strict=True)
+            for f, c in zip(gravity.LOAD.weight(m, BOUNDARIES["free"]), point, strict=True)
         ]
         dampers = [
             (

@@ -1,0 +1,285 @@
+"""A base that moves: frames that accelerate, given swings, shaken pivots, blows, and their work."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+from scipy.integrate import solve_ivp
+from scipy.optimize import brentq
+
+import rodgen
+from rodgen.loading import build
+from rodgen.scene import Scene
+from tests.told import refused
+
+G = 9.81
+TIGHT = {"method": "dop853", "rtol": 1e-12, "atol": 1e-13, "span": [0.0, 2.0], "output_every": 0.1}
+HELD = ["pinned", "clamped", "cantilever"]
+
+
+def _rod(base: dict[str, Any] | None, boundary: str = "pinned", **tables: Any) -> Scene:
+    rod = {"links": 3, "length": 1.5, "mass": 2.0, "bending_stiffness": 4.0, "boundary": boundary}
+    table: dict[str, Any] = {"name": "rod", "rod": rod, "loads": {"gravity": {}}}
+    table |= {"integrate": TIGHT, "initial": {"phi": "0.3*s - 1", "omega": "1 + s"}}
+    table |= {} if base is None else {"base": base}
+    rod |= tables.pop("rod", {})
+    return Scene.from_dict(table | tables)
+
+
+def _largest(values: NDArray[np.float64]) -> float:
+    return float(np.abs(values).max())
+
+
+@pytest.mark.parametrize("target", ["numpy", "c"])
+@pytest.mark.parametrize("boundary", HELD)
+def test_a_frame_that_accelerates_is_gravity_against_it(boundary: str, target: str) -> None:
+    """At random states, to rounding; its acceleration is differentiated by hand."""
+    moved = _rod({"x": "0.3*sin(4*t)", "y": "0.2*t**3 - exp(-t)"}, boundary)
+    falls = {"acceleration": ["4.8*sin(4*t)", "-9.81 - 1.2*t + exp(-t)"]}
+    frame = _rod(None, boundary, loads={"gravity": falls})
+    one, other = (build(scene, target) for scene in (moved, frame))
+    p, q = (rodgen.System(scene).p for scene in (moved, frame))
+    draw = np.random.default_rng(3)
+    for t in (0.0, 0.7, 1.9):
+        y = draw.normal(size=len(one.STATE))
+        expected = other.rhs(t, y, q)
+        assert _largest(one.rhs(t, y, p) - expected) <= 1e-12 * _largest(expected)
+
+
+def test_a_swing_that_is_given_turns_a_link_by_its_spring_and_damper() -> None:
+    """I phi'' = -k (phi - A) - c (phi' - A') - (m g L/2) cos(phi), by another integrator."""
+    m, L, EI, tau, I = 2.0, 1.5, 4.0, 0.03, 1.5
+    k = 2 * EI / L
+    scene = _rod(
+        {"angle": "0.8*sin(3*t)"},
+        "clamped",
+        rod={"links": 1, "clamp_angle": 0.2},
+        loads={"gravity": {}, "material_damping": {"time": tau}},
+        initial={"phi": 0.1, "omega": 1.0},
+    )
+
+    def rates(t: float, y: NDArray[np.float64]) -> list[float]:
+        off, slip = y[0] - 0.2 - 0.8 * np.sin(3 * t), y[1] - 2.4 * np.cos(3 * t)
+        moment = -k * (off + tau * slip) - m * G * L / 2 * np.cos(y[0])
+        return [y[1], moment / I]
+
+    run = rodgen.simulate(scene, target="numpy", progress=False)
+    exact = solve_ivp(rates, (0, 2), [0.1, 1.0], "DOP853", run.t, rtol=1e-12, atol=1e-13)
+    np.testing.assert_allclose(run.phi[:, 0], exact.y[0], rtol=0, atol=1e-10)
+
+
+def test_a_held_link_swings_a_pendulum_at_its_end() -> None:
+    """The equation of a pendulum whose pivot moves on a circle, from its accelerations."""
+    l, A, w = 0.75, 0.8, 3.0
+    scene = _rod(
+        {"angle": f"{A}*sin({w}*t)"},
+        "cantilever",
+        rod={"links": 2, "bending_stiffness": 0.0},
+        initial={"phi": -1.0},
+    )
+
+    def rates(t: float, y: NDArray[np.float64]) -> list[float]:
+        a, da, dda = A * np.sin(w * t), A * w * np.cos(w * t), -A * w * w * np.sin(w * t)
+        ax = -l * (np.sin(a) * dda + np.cos(a) * da**2)
+        ay = l * (np.cos(a) * dda - np.sin(a) * da**2)
+        return [y[1], 1.5 / l * (ax * np.sin(y[0]) - (ay + G) * np.cos(y[0]))]
+
+    run = rodgen.simulate(scene, target="numpy", progress=False)
+    exact = solve_ivp(rates, (0, 2), [-1.0, 0.0], "DOP853", run.t, rtol=1e-12, atol=1e-13)
+    np.testing.assert_allclose(run.phi[:, 1], exact.y[0], rtol=0, atol=1e-9)
+    held, rate = A * np.sin(w * run.t), A * w * np.cos(w * run.t)
+    np.testing.assert_allclose(run.phi[:, 0], held, atol=1e-15)
+    np.testing.assert_allclose(run.omega[:, 0], rate, atol=1e-14)
+
+
+LOADS = {
+    "gravity": {"g": "9.81*(1 + 0.1*sin(t))"},
+    "drag": {"normal": 0.4, "tangential": 0.1, "wind": [1.0, 0.5]},
+    "follower": {"force": "1 + t", "at": 0.2},
+    "material_damping": {"time": 0.01},
+    "distributed_follower": {"force_per_length": 0.7},
+    "moment": {"moment": 0.3, "at": 0.1},
+}
+MOTIONS: list[tuple[str, dict[str, str]]] = [
+    ("pinned", {"x": "0.2*sin(5*t)", "y": "0.1*t**2"}),
+    ("clamped", {"y": "0.2*cos(4*t)", "angle": "0.5*sin(3*t)"}),
+    ("cantilever", {"x": "0.2*t", "angle": "0.5*sin(3*t)"}),
+    ("cantilever", {"y": "interp(t, [0, 0.5, 1, 2], [0, 0.2, 0.1, 0.3], 'cubic')"}),
+]
+
+
+@pytest.mark.parametrize(("boundary", "base"), MOTIONS)
+def test_work_of_the_base_balances_and_is_that_of_the_joint_forces(
+    boundary: str, base: dict[str, str]
+) -> None:
+    """Against the forces that the other form of derivation 3 finds in the joints."""
+    run = rodgen.simulate(_rod(base, boundary, loads=LOADS), target="numpy", progress=False)
+    exchanged = max(map(_largest, run.work.values()))
+    assert exchanged > 0.1
+    assert _largest(run.values("energy_balance")) <= 1e-9 * exchanged
+    if boundary == "cantilever":  # whose first joint with a force is at the end of link 0
+        return
+    velocity = run.values("moved")["start"]
+    power = (run.values("reaction") * velocity).sum(axis=-1)
+    if boundary == "clamped":
+        power += run.values("reaction_moment") * 1.5 * np.cos(3 * run.t)
+    np.testing.assert_allclose(run.values("power_base"), power, rtol=0, atol=1e-9)
+
+
+def test_velocities_are_absolute() -> None:
+    """Of the tail and the centre of gravity, by differences over the samples of a run."""
+    scene = _rod({"x": "0.2*t", "angle": "0.5*sin(3*t)"}, "cantilever")
+    run = rodgen.simulate(scene, target="numpy", progress=False, output_every=1e-3)
+    for place, speed in (("tip", "tip_velocity"), ("centre_of_gravity", "centre_velocity")):
+        x, v = run.values(place), run.values(speed)
+        steps = (x[2:] - x[:-2]) / 2e-3
+        np.testing.assert_allclose(v[1:-1], steps, rtol=0, atol=1e-3)  # h^2/6 times x'''
+
+
+# A pivot that shakes ---------------------------------------------------------------------------
+
+SPEED = 100.0  # rad/s
+
+
+def _on_its_head(a: float, **tables: Any) -> Scene:
+    rod = {"links": 1, "length": 1.0, "mass": 1.0, "bending_stiffness": 0.0}
+    return _rod({"y": f"{a!r}*cos({SPEED!r}*t)"}, "pinned", rod=rod, **tables)
+
+
+def _least_by_hill() -> float:
+    """The least amplitude by Hill's determinant: of phi'' = (3/2) (g - a w^2 cos(w t)) phi the
+    motion of the period of the pivot that neither grows nor decays, as a Fourier series."""
+
+    def determinant(a: float) -> float:
+        n = np.arange(-6, 7)
+        matrix = np.diag(-((n * SPEED) ** 2) - 1.5 * G)
+        beside = np.full(len(n) - 1, 1.5 * a * SPEED**2 / 2)
+        matrix = matrix + np.diag(beside, 1) + np.diag(beside, -1)
+        return float(np.linalg.det(matrix / (1 + np.abs(n[:, None]) * SPEED) ** 2))
+
+    return float(brentq(determinant, 0.03, 0.04, xtol=1e-15))
+
+
+def test_a_rod_stands_on_its_head_from_hills_amplitude_on() -> None:
+    least = _least_by_hill()
+    assert abs(least - 0.0361895552) < 1e-10  # as published for this rod
+
+    def excess(a: float) -> float:  # of the trace over 2, which is linear there
+        scene = _on_its_head(a, initial={"phi": np.pi / 2})
+        return float(np.sum(rodgen.floquet(scene).multipliers).real) - 2
+
+    assert abs(brentq(excess, 0.0361, 0.0363, xtol=1e-12) - least) < 1e-8
+
+    def excess_of_run(a: float) -> float:
+        """Small angles after whole periods are a sequence whose members next to one have the trace
+        for a factor."""
+        period = 2 * np.pi / SPEED
+        scene = _on_its_head(a, initial={"phi": np.pi / 2 + 1e-5})
+        run = rodgen.simulate(
+            scene, target="numpy", progress=False, span=(0, 2 * period), output_every=period
+        )
+        before, here, after = run.phi[:, 0] - np.pi / 2
+        return float((before + after) / here) - 2
+
+    assert abs(brentq(excess_of_run, 0.0361, 0.0363, xtol=1e-9) - least) < 1e-4 * least
+
+
+# Blows -----------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("target", ["numpy", "c"])
+def test_a_blow_turns_a_link_about_its_centre_of_percussion(target: str) -> None:
+    """(m L^2/3) times the change of its rate is (m L/2) sin(phi) times that of the velocity."""
+    scene = _rod(
+        {"x": "max(0, 2*(t - 0.5))"},
+        rod={"links": 1, "bending_stiffness": 0.0},
+        loads={},
+        initial={"phi": 0.7, "omega": 0.4},
+        integrate=TIGHT | {"span": [0.0, 1.0], "output_every": 0.25},
+    )
+    run = rodgen.simulate(scene, target=target, progress=False)
+    at = 0.7 + 0.4 * 0.5
+    np.testing.assert_allclose(run.phi[2, 0], at, atol=1e-12)
+    np.testing.assert_allclose(run.omega[2, 0] - 0.4, 1.5 * 2 * np.sin(at) / 1.5, atol=1e-11)
+    assert _largest(run.values("energy_balance")) <= 1e-10 * _largest(run.work["base"])
+
+
+@pytest.mark.parametrize(
+    ("boundary", "key"),
+    [("pinned", "y"), ("clamped", "x"), ("clamped", "angle"), ("cantilever", "angle")],
+)
+def test_a_blow_is_the_limit_of_a_short_push(boundary: str, key: str) -> None:
+    """A push over 1e-5 s moves the rod by less than its share of the speed in that time."""
+    blow = "0.6*max(0, t - 0.5)"
+    push = "0.3*(t - 0.5) + 0.3*sqrt((t - 0.5)**2 + 1e-11)"
+    sharp, soft = (
+        rodgen.simulate(_rod({key: text}, boundary), target="numpy", progress=False)
+        for text in (blow, push)
+    )
+    np.testing.assert_allclose(sharp.phi, soft.phi, rtol=0, atol=2e-4)
+    work, other = (run.work["base"][-1] for run in (sharp, soft))
+    assert abs(work - other) < 2e-4 * max(1.0, abs(work))
+
+
+def test_states_between_samples_have_the_blows() -> None:
+    scene = _rod({"x": "0.3*abs(sin(4*t))"})
+    run = rodgen.simulate(scene, target="numpy", progress=False)
+    times = [0.77, 0.786, 1.234]
+    fine = rodgen.simulate(scene, target="numpy", progress=False, t_eval=times)
+    np.testing.assert_allclose(run(np.array(times)).T, fine.y, rtol=0, atol=1e-9)
+
+
+# At one time -----------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("boundary", ["clamped", "cantilever"])
+def test_modes_at_a_time_count_place_and_acceleration(boundary: str) -> None:
+    """Of a lift: more gravity. The speed does not count, nor does an angle that grows evenly."""
+    ground = {"foundation": {"stiffness": 3.0}}
+    lifted = _rod({"y": "1.5*t**2 + t", "x": "0.4*t", "angle": "0.1*t"}, boundary, **ground)
+    still = _rod(
+        None,
+        boundary,
+        rod={"clamp_angle": 0.15},
+        loads={"gravity": {"g": G + 3.0}},
+    )
+    without = lifted.replace({"foundation": None})
+    found = rodgen.natural_modes(without, t=1.5)
+    expected = rodgen.natural_modes(still)
+    np.testing.assert_allclose(found.frequencies, expected.frequencies, rtol=1e-10)
+    assert "not its speed" in str(found)
+    # The ground stays where it was: the foundation pulls the rod that has gone 0.6 and 4.9 m away.
+    rest = rodgen.static_equilibrium(lifted, t=1.5).phi
+    assert rest[-1] < rodgen.static_equilibrium(still).phi[-1] - 0.1
+
+
+# What cannot be --------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("base", "boundary", "field"),
+    [
+        ({"x": "1 if t > 1 else 0"}, "pinned", "base.x"),
+        ({"y": "interp(t, [0, 1, 2], [0, 1, 0])"}, "pinned", "base.y"),
+        ({"x": "1/(t - 1)"}, "pinned", "base.x"),
+        ({"x": "phi(1)"}, "pinned", "base.x"),
+        ({"angle": "t"}, "pinned", "base.angle"),
+        ({"x": "t"}, "free", "base"),
+        ({}, "pinned", "base"),
+        ({"x": float("inf")}, "pinned", "base.x"),
+    ],
+)
+def test_motions_that_cannot_be_are_refused(
+    base: dict[str, Any], boundary: str, field: str
+) -> None:
+    initial: dict[str, Any] = {"initial": {"phi": 0.1}}
+    assert refused(_rod, base, boundary, **initial).field == field
+
+
+def test_tangents_of_a_blow_are_refused() -> None:
+    scene = _rod({"x": "0.1*abs(sin(4*t))"})
+    assert refused(rodgen.floquet, scene).field == "base.x"
+    assert refused(rodgen.lyapunov_exponents, scene).field == "base.x"
