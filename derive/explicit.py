@@ -98,7 +98,6 @@ class ExplicitDerivation(ExplicitChain):
         """Rates and accelerations that are given as functions of time."""
         return [q.diff(TIME, order) for q in self.courses for order in (1, 2)]
 
-    @cached_property
     def forces_by_base(self) -> list[PolyElement]:
         """Part of the loadless forcing that there is because the base moves, by row."""
         return [row - self._at_rest(row) for row in self._forcing_rows]

@@ -118,6 +118,11 @@ class ExplicitChain:
         beside = eta if self.rod.has_offset_mass else S.Zero
         return [self.point(link, xi, beside) for link in range(self.n)]
 
+    def forces_by_base(self) -> list[PolyElement]:
+        """Generalised forces that there are because the base moves, by coordinate: of a chain that
+        has its equations."""
+        raise NotImplementedError
+
     @property
     def springs(self) -> list[tuple[Joint, Expr, Expr]]:
         """Joints with a spring, and the angles before and after them."""

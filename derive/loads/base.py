@@ -1,4 +1,4 @@
-"""What a moving base does to a rod: in the frame that moves with it a force on all mass."""
+"""A moving base: in the frame that moves with it, a force on all mass."""
 
 from __future__ import annotations
 
@@ -42,7 +42,7 @@ class Base(MassForce):
         return -mass * x, -mass * y
 
     def explicit_forces(self, chain: ExplicitChain) -> list[list[PolyElement]]:
-        return [chain.forces_by_base]
+        return [chain.forces_by_base()]
 
     def power_of(
         self, chain: GeneralEquations, behind: Vector, held: tuple[Expr, Expr, Expr]

@@ -240,16 +240,16 @@ def _time_context(structure: Structure) -> dict[str, Any]:
     held = {array: list(filter(None, names)) for array, names in held.items()}
     held = held if structure.boundary_condition.first else {}
 
-    def is_needed(name: str, reads: Collection[str]) -> bool:
+    def needs(name: str, reads: Collection[str]) -> bool:
         return name in reads or any(name in of and array in reads for array, of in held.items())
 
     def follows_time(reads: Collection[str]) -> bool:
         timed = (*structure.open_expressions, *numbers["clocked"])
-        return any(is_needed(name, reads) for name in timed)
+        return any(needs(name, reads) for name in timed)
 
     own: dict[str, Any] = {"held": held, "held_moves": bool(turns)}
     own["by_rates"] = _tuple_code(["power"]) if structure.base_parameters else ""
-    return {**numbers, **own, "needed": is_needed, "follows_time": follows_time}
+    return {**numbers, **own, "needed": needs, "follows_time": follows_time}
 
 
 def _parameter_context(structure: Structure) -> dict[str, Any]:

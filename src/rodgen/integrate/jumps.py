@@ -42,8 +42,8 @@ class Jump(NamedTuple):
 
 
 class Jumps:
-    """What jumps of masses and of the base's velocity do to one rod, as its run goes from stretch
-    to stretch."""
+    """Jumps of masses and of the base's velocity in the run of one rod, which goes from stretch to
+    stretch."""
 
     def __init__(self, model: ModuleType, p: Array):
         self._model, self._p, self._structure = model, p, structure_of(model)
@@ -52,8 +52,8 @@ class Jumps:
         self._high, self._end = math.nan, math.nan
 
     def begin(self, t: float, y: Array, end: float, low: float, high: float) -> Jump | None:
-        """Begin a stretch, and return what jumps at its start, time t in state y. end: of the
-        stretch; low, high: bounds of the times of its loads."""
+        """Begin a stretch, and return the jump at its start, time t in state y; None without. end:
+        of the stretch; low, high: bounds of the times of its loads."""
         before = self._high if self._end == t else t
         self.resume_stretch(end, high)
         return self._jump(before, low, y)
@@ -63,11 +63,11 @@ class Jumps:
         self._end, self._high = end, high
 
     def at_end(self, t: float, y: Array) -> Jump | None:
-        """What has jumped by time t itself, in state y, where the stretch ends then."""
+        """Jump by time t itself, in state y, where the stretch ends then; None without."""
         return self._jump(self._high, t, y) if t == self._end else None
 
     def _jump(self, before: float, after: float, y: Array) -> Jump | None:
-        """What jumps from one time to another in a state; None where nothing does."""
+        """Jump from one time to another in a state; None without."""
         blow = self._blow(before, after, y) if self._blows else None
         if blow is None and not self._masses:
             return None
@@ -92,7 +92,8 @@ class Jumps:
     @property
     def _first_rate(self) -> int:
         """Place of the first rate of a link in the state."""
-        return self._structure.angle_slice.stop + self._structure.angle_slice.start
+        angles = self._structure.angle_slice
+        return int(angles.stop + angles.start)
 
     def _blow(self, before: float, after: float, y: Array) -> Array | None:
         """Change of the rates (n_moving,) by a change of the base's velocity; None without."""

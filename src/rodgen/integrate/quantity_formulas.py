@@ -284,7 +284,8 @@ def _velocity(motion: Motion, function: str, *at: int) -> Array:
     the module gives. Relative to joint 0, lest a rod far away lose its digits. Where the base
     moves, the module has the velocity."""
     if motion.boundary_condition.moves:
-        return motion.values("moved")[function]
+        there: Array = motion.values("velocities")[function]
+        return there
     y, base = motion.y, 2 * motion.boundary_condition.translates
     half = _n_positions(motion)
     rates = y[..., half + base : 2 * half]
@@ -300,7 +301,7 @@ def _velocity(motion: Motion, function: str, *at: int) -> Array:
     return found + y[..., half : half + 2] if base else found
 
 
-def _moved(motion: Motion) -> dict[str, Array]:
+def _velocities(motion: Motion) -> dict[str, Array]:
     """Velocities of the start, the tail and the centre of gravity of a rod whose base moves."""
     found = motion.evaluate("velocities", motion.y)
     names = "start", "joints", "centre_of_gravity"
@@ -319,7 +320,7 @@ def _tail_deflections(motion: Motion) -> Array:
     if boundary.translates:
         velocity = velocity - motion.values("base_velocity")
     if boundary.moves:
-        velocity = velocity - motion.values("moved")["start"]
+        velocity = velocity - motion.values("velocities")["start"]
     vx, vy = np.moveaxis(velocity, -1, 0)
     c, s = np.cos(angle), np.sin(angle)
     return np.stack((y * c - x * s, vy * c - vx * s - turning * (x * c + y * s)), axis=-1)
@@ -364,7 +365,7 @@ FORMULAS: dict[str, Callable[[Motion], Any]] = {
     "base": lambda motion: motion.y[..., :2],
     "base_velocity": lambda motion: motion.y[..., _n_positions(motion) :][..., :2],
     "joints": _of_states("joints"),
-    "moved": _moved,  # velocities of a rod whose base moves, by what they are of
+    "velocities": _velocities,  # of a rod whose base moves, by what they are of
     "tip": lambda motion: motion.values("joints")[..., -1, :],
     "tip_velocity": lambda motion: _velocity(motion, "joints", -1),
     "tail_deflections": _tail_deflections,  # with its rate, (..., 2)

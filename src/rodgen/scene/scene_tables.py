@@ -183,16 +183,20 @@ class SceneTables(Table):
     def _initial_values(self, name: str) -> NDArray[np.float64]:
         """Initial values of the moving links."""
         if name == "phi" and self.initial.phi == REST:
-            angle = self._start_angle if self.boundary_condition.is_clamped else self.anchors.angle
+            start = self.integrate.span[0]
+            clamped = self.boundary_condition.is_clamped
+            angle = self.clamp_angle_at(start) if clamped else self.anchors.angle
             shape: NDArray[np.float64] = angle + self.distribution.rest_shape
             return shape[self.n_fixed_links :]
-        straight = self._start_angle if name == "phi" else 0.0
+        straight = self.clamp_angle_at(self.integrate.span[0]) if name == "phi" else 0.0
         return self.initial.link_values(name, self.rod, self._numbers, straight)
 
-    @property
-    def _start_angle(self) -> float:
-        """Angle at the start at which a rod is straight along its clamp [rad]; zero without one."""
-        return (self.rod.clamp_angle or 0.0) + self._base_start_of(BASE_ANGLE)
+    def clamp_angle_at(self, t: float) -> float:
+        """Angle of the clamp at a time [rad]; zero without one.
+
+        t: the time [s].
+        """
+        return (self.rod.clamp_angle or 0.0) + self._base_at(BASE_ANGLE, t)
 
     @property
     def boundary_condition(self) -> Boundary:
@@ -338,15 +342,15 @@ class SceneTables(Table):
     @property
     def _base_start(self) -> tuple[float, float]:
         """Place of joint 0 at the start of the span, where it is held [m]."""
-        x, y = (self._base_start_of(one.name) for one in BASE_ROWS[:2])
+        x, y = (self._base_at(one.name, self.integrate.span[0]) for one in BASE_ROWS[:2])
         return x, y
 
-    def _base_start_of(self, name: str) -> float:
-        """Coordinate of the base at the start of the span; zero where it is not given."""
+    def _base_at(self, name: str, t: float) -> float:
+        """Coordinate of the base at a time [s]; zero where it is not given."""
         if name not in self._base_values:
             return 0.0
         e = self.expression(name)
-        return float(self.given_value(name) if e is None else e(self.integrate.span[0]))
+        return float(self.given_value(name) if e is None else e(t))
 
     @property
     def distribution(self) -> Distribution:

@@ -140,7 +140,7 @@ class Structure:
 
     @cached_property
     def has_moving_base(self) -> bool:
-        """Whether what holds the start of the rod moves."""
+        """Whether the pivot or the clamp of the rod moves with time."""
         return any(name in dict(self.expressions) for name in self.base_parameters)
 
     @cached_property
@@ -376,7 +376,7 @@ def _check_term(text: str, links: int, boundary: Boundary) -> None:
         return
     options = dict.fromkeys(one.key for one in TERMS[kind].parameters if one.optional)
     if options:
-        some = (f"{kind}@{'+'.join(given)}" for given in _choices(options))
+        some = (f"{kind}@{'+'.join(given)}" for given in _choices([*options]))
         check_choice("terms", text, [kind, *some])
         return
     if not TERMS[kind].placed:

@@ -73,23 +73,18 @@ def _base_at(scene: Scene, t: float) -> dict[str, Any]:
 def _base_acceleration(scene: Scene, t: float) -> tuple[float, float]:
     """Acceleration at a time [s] of the joint from which the links of a rod go on, without what
     comes from the speed of its base [m/s^2]."""
-    from rodgen.derive.base_motion import BaseMotion  # SymPy is imported only where it is needed
-    from rodgen.derive.symbols import ALPHA, l
-
     assert scene.base is not None
-    motion, rod = BaseMotion.of("+".join(scene.base.keys)), scene.rod
-    numbers: dict[Any, float] = {ALPHA: rod.clamp_angle or 0.0, l: rod.length / rod.links}
+    growth, rod = {"x": 0.0, "y": 0.0, "angle": 0.0}, scene.rod
     for key in scene.base.keys:
         e = scene.expression(f"{MOVING_BASE}_{key}")
-        place, rate, growth = getattr(motion, key)
-        numbers |= {place: 0.0 if e is None else float(e(t)), rate: 0.0}
-        numbers[growth] = 0.0 if e is None else float(e.derivative(t, {}, 2))
-        if not np.isfinite(numbers[growth]):
+        growth[key] = 0.0 if e is None else float(e.derivative(t, {}, 2))
+        if not np.isfinite(growth[key]):
             allowed = f"of a finite acceleration at t = {t:g} s"
             raise InputError(f"base.{key}", getattr(scene.base, key), allowed)
-    found = motion.of_first_joint(scene.boundary_condition)
-    x, y = (float(a.subs(numbers)) if a else 0.0 for a in found)
-    return x, y
+    # Of a held link the end moves across it as it turns.
+    arm = growth["angle"] * scene.boundary_condition.first * rod.length / rod.links
+    angle = scene.clamp_angle_at(t)
+    return growth["x"] - arm * np.sin(angle), growth["y"] + arm * np.cos(angle)
 
 
 def _free_fall(scene: Scene, t: float) -> tuple[float, float]:

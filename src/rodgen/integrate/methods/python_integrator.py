@@ -261,13 +261,13 @@ class WorkQuadrature:
         ends = np.array([sample for some in samples for sample in some])
         last = np.cumsum([len(some) for some in widths]) - 1
         first = np.concatenate(([0], last[:-1] + 1))
-        totals, come, here = self.totals.copy(), np.array(come), np.array(here)
+        totals, begun, ended = self.totals.copy(), np.array(come), np.array(here)
         for at, values in enumerate(power.values()):
             stretches = width * (values.reshape(-1, len(NODES)) @ WEIGHTS)
-            stretches[first] += come[:, at]
+            stretches[first] += begun[:, at]
             sums = totals[at] + np.cumsum(stretches)
             totals[at] = sums[-1]
-            sums[last] += here[:, at]
+            sums[last] += ended[:, at]
             for sample, total in zip(ends, sums, strict=True):
                 if sample >= 0:
                     recorder.row(sample)[recorder.states + at] = total
