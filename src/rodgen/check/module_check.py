@@ -17,7 +17,8 @@ import mpmath
 import numpy as np
 from mpmath import mpf
 
-from rodgen.check.reference_equations import FUNCTIONS, ReferenceEquations
+from rodgen.check.reference_chain import FUNCTIONS
+from rodgen.check.reference_equations import ReferenceEquations
 from rodgen.derive.base_motion import ORDERS
 from rodgen.errors import InputError
 from rodgen.loading.generated_module import call_module, structure_of
