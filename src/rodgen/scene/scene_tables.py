@@ -1,132 +1,38 @@
-"""Checked tables of a scene, and what follows from them: structure, parameters, start, laws."""
+"""Checked tables of a scene, and what follows from them: structure, parameters, start."""
 
 from __future__ import annotations
 
-import operator
 from functools import cached_property
-from typing import Any, ClassVar, Self, get_args
+from typing import Any, Self
 
 import numpy as np
 from numpy.typing import NDArray
 from pydantic import (
-    ConfigDict,
-    Field,
-    ValidationError,
-    ValidationInfo,
-    field_validator,
     model_validator,
 )
 
 from rodgen.errors import InputError
-from rodgen.model.rod import CLAMP_ANGLE, MASS_WAYS, ROD, Boundary
+from rodgen.model.rod import CLAMP_ANGLE, MASS_WAYS, ROD
 from rodgen.model.term import JOINTS, LINKS
-from rodgen.model.terms import BASE_ANGLE, BASE_ROWS, MOVING_BASE, PARAMETERS, PLACES, boundary_of
+from rodgen.model.terms import BASE_ROWS, MOVING_BASE, PARAMETERS
 from rodgen.scene import spring_law
 from rodgen.scene import structure as st
 from rodgen.scene.anchors import Anchors
-from rodgen.scene.base_table import BaseTable
-from rodgen.scene.distribution import Distribution
-from rodgen.scene.expression import Expression, Numbers, parse_expression
+from rodgen.scene.expression import Expression
 from rodgen.scene.grammar import TableData
-from rodgen.scene.integration import EventTable, IntegrationTable, check_events
-from rodgen.scene.law import Law
+from rodgen.scene.integration import check_events
 from rodgen.scene.literals import NAME, check_names, check_states, mass_name
-from rodgen.scene.load_tables import FinFactor, Loads
-from rodgen.scene.lookup_table import MOST_ROWS, LookupTable, parse_table
-from rodgen.scene.number_text import Expressed
-from rodgen.scene.plain_tables import to_plain
+from rodgen.scene.load_tables import FinFactor
+from rodgen.scene.scene_laws import SceneLaws
 from rodgen.scene.tables import (
     REST,
-    BodyTable,
-    Finite,
-    FoundationTable,
-    InitialTable,
-    RodTable,
-    StateTable,
-    SupportTable,
-    Table,
     check_bodies,
-    check_count,
-    validate_tables,
 )
-from rodgen.scene.time_laws import TimeLaws, check_motion
-from rodgen.scene.validation import to_input_error
+from rodgen.scene.time_laws import check_motion
 
 
-class SceneTables(Table):
+class SceneTables(SceneLaws):
     """All tables of a scene, checked together, and what follows from their values; see Scene."""
-
-    # `parameters` are those of the module: the table's own name is that of a file.
-    model_config: ClassVar[ConfigDict] = ConfigDict(serialize_by_alias=True, validate_by_name=True)
-
-    name: str = Field(description="a plain identifier; names the folder of the results")
-    numbers: dict[str, Expressed[Finite]] = Field(
-        {},
-        alias="parameters",
-        exclude_if=operator.not_,
-        description="numbers that expressions call by these names, each a plain identifier",
-    )
-    tables: dict[str, LookupTable] = Field(
-        {},
-        exclude_if=operator.not_,
-        description="numbers that `interp(x, 'NAME')` reads: lists `knots`, which ascend, and "
-        "`values`; 200000 rows in all",
-    )
-    rod: RodTable
-    bodies: list[BodyTable] = []
-    supports: list[SupportTable] = []
-    foundation: FoundationTable | None = None
-    base: BaseTable | None = None
-    loads: Loads = Loads()
-    states: dict[str, StateTable] = Field({}, exclude_if=operator.not_)
-    initial: InitialTable = InitialTable()
-    events: list[EventTable] = []
-    integrate: IntegrationTable = IntegrationTable()
-
-    def __init__(self, /, **tables: Any) -> None:
-        """Check tables, each a keyword; arrays, tuples and NumPy's numbers are taken too."""
-        tables = to_plain(tables)
-        try:
-            # As pydantic does, with a context: it gets the numbers that expressions may name.
-            self.__pydantic_validator__.validate_python(tables, self_instance=self, context={})
-        except ValidationError as error:
-            raise to_input_error(error, type(self)) from None
-
-    @field_validator("numbers")
-    @classmethod
-    def _add_to_context(cls, numbers: dict[str, float], info: ValidationInfo) -> dict[str, float]:
-        """Add the numbers to the context: expressions in the tables that follow may name them."""
-        assert info.context is not None
-        info.context.update(numbers)
-        return numbers
-
-    @field_validator("events", "bodies", "supports", mode="before")
-    @classmethod
-    def _validate_array(cls, tables: Any, info: ValidationInfo) -> list[Any]:
-        """Validate the tables of an array one by one, so that errors name the place."""
-        key = str(info.field_name)
-        (kind,) = get_args(cls.model_fields[key].annotation)
-        return validate_tables(key, tables, kind, info.context)
-
-    @field_validator("states", mode="before")
-    @classmethod
-    def _check_state_count(cls, tables: Any) -> Any:
-        """Check the number of states first, as each of them takes some time."""
-        if isinstance(tables, dict):
-            check_count("states", tables)
-        return tables
-
-    @field_validator("tables", mode="before")
-    @classmethod
-    def _parse_tables(cls, tables: Any) -> Any:
-        """Parse tables one by one, so that errors name the table."""
-        if not isinstance(tables, dict):
-            return tables
-        check_count("tables", tables)
-        made = {name: parse_table(name, table) for name, table in tables.items()}
-        if (rows := sum(map(len, made.values()))) > MOST_ROWS:
-            raise InputError("tables", rows, f"at most {MOST_ROWS} rows in all")
-        return made
 
     @model_validator(mode="after")
     def _check_consistency(self) -> Self:
@@ -191,76 +97,6 @@ class SceneTables(Table):
         straight = self.clamp_angle_at(self.integrate.span[0]) if name == "phi" else 0.0
         return self.initial.link_values(name, self.rod, self._numbers, straight)
 
-    def clamp_angle_at(self, t: float) -> float:
-        """Angle of the clamp at a time [rad]; zero without one.
-
-        t: the time [s].
-        """
-        return (self.rod.clamp_angle or 0.0) + self._base_at(BASE_ANGLE, t)
-
-    @property
-    def boundary_condition(self) -> Boundary:
-        """Boundary condition at the start of the rod, which a base moves or not."""
-        return boundary_of(self.rod.boundary, () if self.base is None else (MOVING_BASE,))
-
-    @property
-    def n_fixed_links(self) -> int:
-        """Number of links at the start of the rod that do not move."""
-        return self.boundary_condition.first
-
-    @cached_property
-    def _numbers(self) -> Numbers:
-        """Values of the names in expressions: numbers, and tables by names in quotes."""
-        tables = ((repr(name), table) for name, table in self.tables.items())
-        return (*self.numbers.items(), *tables)
-
-    @property
-    def _base_values(self) -> dict[str, Any]:
-        """Values of what moves the start of the rod, by parameter."""
-        return {} if self.base is None else self.base.values
-
-    @property
-    def given_parameters(self) -> tuple[str, ...]:
-        """Names of the parameters of its loads and of its base."""
-        return (*self.loads.parameters, *self._base_values)
-
-    def given_value(self, name: str) -> Any:
-        """Value of one of these parameters, as the scene has it.
-
-        name: of the parameter.
-        """
-        moved = self._base_values
-        return moved[name] if name in moved else self.loads.value(name)
-
-    def expression(self, name: str) -> Expression | None:
-        """Expression of a parameter of a load or of the base that is given as text, in t, or in s
-        where every link has its own; None for other parameters.
-
-        name: of the parameter.
-        """
-        value = self.given_value(name)
-        if not isinstance(value, str):
-            return None
-        if PARAMETERS[name].each == LINKS:
-            return self._law(name).expression
-        # What is moved is given: it follows no sensor and no state.
-        states = None if name in self._base_values else tuple(self.states)
-        return parse_expression(value, "t", self.key_of(name), self._numbers, states)
-
-    def key_path(self, name: str) -> tuple[str, ...]:
-        """Keys of tables, from the outermost in, that lead to a parameter of the module.
-
-        name: of the parameter.
-        """
-        return self.loads.key_paths.get(name) or PLACES[name]
-
-    def key_of(self, name: str) -> str:
-        """Dotted name in the scene of a parameter of the module.
-
-        name: of the parameter.
-        """
-        return ".".join(self.key_path(name))
-
     def _load_value(self, name: str) -> Any:
         """Value of a parameter of a load or of the base: a number, or those of all joints or links;
         None for one that changes with time."""
@@ -272,25 +108,6 @@ class SceneTables(Table):
             return None if law.is_time_dependent else law.link_values(links, start)
         # A text without t is a number like any other.
         return value if text is None else float(text(0.0)) if text.is_constant else None
-
-    def _law(self, name: str) -> Law:
-        """Value along the rod of a parameter that every link has of its own."""
-        return Law(self.loads.value(name), self.key_of(name), self._numbers, "st")
-
-    def link_values_at(self, t: float) -> dict[str, list[float]]:
-        """Values, in SI units, of the parameters that change with time and from link to link, by
-        name, each a list over the links.
-
-        t: the time [s].
-        """
-        laws = {name: self._law(name) for name in self.loads_along_rod}
-        return {name: law.link_values(self.rod.links, t) for name, law in laws.items()}
-
-    def _state_rate(self, name: str) -> Expression:
-        """Expression of the rate of an added state."""
-        rate, place = self.states[name].rate, f"states.{name}.rate"
-        text = rate if isinstance(rate, str) else repr(float(rate))
-        return parse_expression(text, "t", place, self._numbers, tuple(self.states))
 
     @cached_property
     def structure(self) -> st.Structure:
@@ -319,18 +136,6 @@ class SceneTables(Table):
         return st.Structure(*what, texts, along.nonuniform, rates, sprung, masses, tuple(tables))
 
     @property
-    def spring_law(self) -> Expression | None:
-        """The law of the springs, where that is not Hooke's, else None."""
-        text = self.rod.spring
-        law = None if text is None else spring_law.parse_spring_law(text, self._numbers)
-        return None if law is None or spring_law.is_hooke(law.canonical) else law
-
-    @property
-    def has_no_tangent_stiffness(self) -> bool:
-        """Whether the springs have no tangent stiffness in the straight rod."""
-        return self.spring_law is not None and spring_law.has_no_tangent_stiffness(self.spring_law)
-
-    @property
     def anchors(self) -> Anchors:
         """Supports and foundation of the rod."""
         start = self.initial.position or self._base_start
@@ -344,67 +149,6 @@ class SceneTables(Table):
         """Place of joint 0 at the start of the span, where it is held [m]."""
         x, y = (self._base_at(one.name, self.integrate.span[0]) for one in BASE_ROWS[:2])
         return x, y
-
-    def _base_at(self, name: str, t: float) -> float:
-        """Coordinate of the base at a time [s]; zero where it is not given."""
-        if name not in self._base_values:
-            return 0.0
-        e = self.expression(name)
-        return float(self.given_value(name) if e is None else e(t))
-
-    @property
-    def distribution(self) -> Distribution:
-        """Stiffness and mass along the rod, at the start of the span."""
-        return self.distribution_at(self.integrate.span[0])
-
-    def distribution_at(self, t: float) -> Distribution:
-        """Stiffness and mass along the rod at a time.
-
-        t: the time [s].
-        """
-        return Distribution(self.rod, self.bodies, self._numbers, t)
-
-    @property
-    def mass(self) -> float:
-        """Mass of the links and of all bodies at the start of the span [kg]."""
-        return self.distribution.mass
-
-    # Kept, as a run asks dozens of times; copies that are made here have other settings in
-    # [integrate] alone.
-    @cached_property
-    def expressions(self) -> dict[str, Expression]:
-        """Parameters that change with time or with the motion, by name."""
-        found = {name: self.expression(name) for name in self.given_parameters}
-        return {
-            name: e
-            for name, e in found.items()
-            if e and (e.has_variable if PARAMETERS[name].each else not e.is_constant)
-        }
-
-    @property
-    def loads_along_rod(self) -> dict[str, Expression]:
-        """Parameters that change with time and may differ from link to link, by name."""
-        return {name: e for name, e in self.expressions.items() if PARAMETERS[name].each}
-
-    @property
-    def time_dependent_loads(self) -> dict[str, Expression]:
-        """Parameters that change with time alone, by name."""
-        return {name: e for name, e in self._single_loads.items() if not e.signals}
-
-    @property
-    def feedback_loads(self) -> dict[str, Expression]:
-        """Parameters that follow the motion, by name."""
-        return {name: e for name, e in self._single_loads.items() if e.signals}
-
-    @property
-    def _single_loads(self) -> dict[str, Expression]:
-        """Parameters of one number that change with time or with the motion, by name."""
-        return {name: e for name, e in self.expressions.items() if not PARAMETERS[name].each}
-
-    @property
-    def state_rates(self) -> dict[str, Expression]:
-        """Rates of the added states, by name."""
-        return {name: self._state_rate(name) for name in self.states}
 
     @property
     def parameters(self) -> dict[str, Any]:
@@ -443,20 +187,3 @@ class SceneTables(Table):
                 [state.initial for state in self.states.values()],
             )
         )
-
-    @cached_property
-    def time_laws(self) -> TimeLaws:
-        """Functions of time in the scene, over the span."""
-        groups = self._single_loads, self.loads_along_rod, self.state_rates
-        single, spread, rates = (tuple(of.values()) for of in groups)
-        masses = tuple(mass for *_, mass in self.distribution.changing_masses)
-        law, (start, end) = self.spring_law, self.integrate.span
-        along = self.distribution
-        spring = (law, tuple(along.joint_stiffness), tuple(along.rest_angles)) if law else None
-        base = tuple(e for name, e in self.expressions.items() if name in self._base_values)
-        return TimeLaws(start, end, single, spread, rates, masses, self.rod.links, spring, base)
-
-    def breaks(self) -> list[float]:
-        """Break points: times inside the span [s] at which a load, the rate of a state or a mass is
-        not smooth in t, ascending. An integrator of your own should step onto them."""
-        return self.time_laws.breaks()
