@@ -15,7 +15,7 @@ import pytest
 
 from rodgen.check.module_check import check_module
 from rodgen.errors import InputError
-from rodgen.scene.structure import MOST_LINKS
+from rodgen.scene.term_texts import MOST_LINKS
 from tests.cli.conftest import Run, Write
 from tests.sets import sets
 from tests.told import numbers

@@ -11,7 +11,8 @@ from rodgen.analyse.critical import critical_load
 from rodgen.errors import Missing
 from rodgen.scene import Scene
 from rodgen.scene.rod_points import place_text
-from rodgen.scene.structure import Structure, parse_terms
+from rodgen.scene.structure import Structure
+from rodgen.scene.term_texts import parse_terms
 from tests.told import refused
 
 ROD = {"links": 10, "length": 5.0, "mass": 20.0, "bending_stiffness": 100.0, "boundary": "clamped"}

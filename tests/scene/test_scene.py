@@ -18,7 +18,7 @@ from rodgen.model.rod import BOUNDARIES
 from rodgen.model.term import JOINTS, POSITIVE
 from rodgen.model.terms import PARAMETERS, PLACES, TERMS
 from rodgen.scene import Scene
-from rodgen.scene.structure import MOST_LINKS
+from rodgen.scene.term_texts import MOST_LINKS
 from rodgen.system import System
 from tests.scene.tables import ROD, put, scene_of, table_of
 from tests.told import refused

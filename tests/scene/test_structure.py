@@ -7,7 +7,8 @@ from itertools import product
 from rodgen.emit.targets import check_output
 from rodgen.model.rod import BOUNDARIES, NONUNIFORM, STEADY
 from rodgen.model.terms import PARAMETERS, PLACES, TERMS, THESIS_TERMS
-from rodgen.scene.structure import Structure, parse_terms
+from rodgen.scene.structure import Structure
+from rodgen.scene.term_texts import parse_terms
 from tests.palette import ALL
 from tests.told import refused
 

@@ -21,7 +21,7 @@ from rodgen.loading.cache import write_whole
 from rodgen.model.rod import BOUNDARIES, INERTIAS
 from rodgen.model.terms import TERMS, THESIS_TERMS
 from rodgen.scene import Structure
-from rodgen.scene.structure import check_choice, parse_terms
+from rodgen.scene.term_texts import check_choice, parse_terms
 
 OTHERS = ", ".join(name for name in TERMS if name not in THESIS_TERMS)
 

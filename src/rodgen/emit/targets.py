@@ -14,7 +14,7 @@ from pkgutil import iter_modules
 from typing import Any
 
 from rodgen.errors import InputError
-from rodgen.scene.structure import check_choice
+from rodgen.scene.term_texts import check_choice
 
 # The names that a part brings into the Python module; flow and newton are for compiled steps,
 # VARIATIONS for those of a state with its tangents, lanes are for those of many rods side by side.

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from rodgen.errors import InputError
 from rodgen.model.terms import TERMS
 from rodgen.scene.distribution import Distribution
-from rodgen.scene.expression import Numbers
+from rodgen.scene.expression_text import Numbers
 from rodgen.scene.law import Law
 from rodgen.scene.rod_points import link_and_share
 

@@ -9,8 +9,8 @@ from pydantic import Field, model_validator
 from rodgen.errors import InputError, Missing
 from rodgen.model.rod import Boundary
 from rodgen.model.terms import BASE_ROWS
-from rodgen.scene.structure import base_keys
 from rodgen.scene.tables import Finite, Table
+from rodgen.scene.term_texts import base_keys
 
 
 class BaseTable(Table):

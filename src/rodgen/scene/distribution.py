@@ -23,7 +23,8 @@ from rodgen.model.rod import (
     STEADY,
     Boundary,
 )
-from rodgen.scene.expression import Expression, Numbers
+from rodgen.scene.expression import Expression
+from rodgen.scene.expression_text import Numbers
 from rodgen.scene.law import Along, Law, cell_means, gauss_points
 from rodgen.scene.link_parts import BodyOutline, LinkPart, combine
 from rodgen.scene.literals import mass_name

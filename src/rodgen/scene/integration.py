@@ -18,10 +18,10 @@ from rodgen.errors import InputError, did_you_mean
 from rodgen.model.methods import EITHER, FIXED_STEP, METHODS
 from rodgen.model.quantities import parse_number, watchable_names
 from rodgen.model.rod import BOUNDARIES
-from rodgen.scene import structure as st
 from rodgen.scene.number_text import Expressed
 from rodgen.scene.plain_tables import to_plain
 from rodgen.scene.tables import Finite, Positive, RodTable, Table
+from rodgen.scene.term_texts import check_choice
 from rodgen.scene.validation import to_input_error
 
 AUTO = "auto"
@@ -140,7 +140,7 @@ class IntegrationTable(Table):
 
     @model_validator(mode="after")
     def _check_consistency(self) -> Self:
-        st.check_choice("integrate.method", self.method, (AUTO, *METHODS))
+        check_choice("integrate.method", self.method, (AUTO, *METHODS))
         start, end = self.span
         if not start < end:
             raise InputError("integrate.span", self.span, "[start, end] with start < end")
@@ -229,8 +229,8 @@ class EventTable(Table):
 
     @model_validator(mode="after")
     def _check_consistency(self) -> Self:
-        st.check_choice("direction", self.direction, DIRECTIONS)
-        st.check_choice("action", self.action, ACTIONS)
+        check_choice("direction", self.direction, DIRECTIONS)
+        check_choice("action", self.action, ACTIONS)
         return self
 
 

@@ -11,7 +11,8 @@ import numpy as np
 from rodgen.arrays import Array
 from rodgen.errors import InputError
 from rodgen.scene.bounds import Field, find_out_of_bounds, with_neighbours, zeros_on_grid
-from rodgen.scene.expression import Difference, Expression, Numbers, parse_expression
+from rodgen.scene.expression import Difference, Expression, parse_expression
+from rodgen.scene.expression_text import Numbers
 
 Along = float | list[float] | str  # a number, values along the rod, or an expression in s
 GAUSS = 5

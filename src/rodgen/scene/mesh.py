@@ -12,10 +12,10 @@ from rodgen.model.rod import REST_CURVATURE
 from rodgen.model.term import JOINTS
 from rodgen.model.terms import PARAMETERS, TERMS
 from rodgen.scene import spring_law
-from rodgen.scene import structure as st
 from rodgen.scene.load_tables import FinFactor
 from rodgen.scene.plain_tables import set_at
 from rodgen.scene.scene_tables import SceneTables
+from rodgen.scene.term_texts import check_links
 
 
 @dataclass(frozen=True)
@@ -83,7 +83,7 @@ def mesh_notes(scene: SceneTables) -> tuple[str, ...]:
 
 def with_links(scene: SceneTables, links: int) -> dict[str, Any]:
     """Tables of the same rod with another number of links and its damping converted."""
-    st.check_links(links, scene.rod.boundary, "links")
+    check_links(links, scene.rod.boundary, "links")
     _check_no_lists(scene)
     return refined_tables(scene, links)
 

@@ -26,7 +26,7 @@ from rodgen.scene.mesh import with_links
 from rodgen.scene.plain_tables import get_at, read_toml, to_plain
 from rodgen.scene.scene_files import TABLES, read_table_files
 from rodgen.scene.scene_tables import SceneTables
-from rodgen.scene.structure import check_links
+from rodgen.scene.term_texts import check_links
 
 LINKS = "rod.links"
 

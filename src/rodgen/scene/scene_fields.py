@@ -18,7 +18,7 @@ from rodgen.errors import InputError
 from rodgen.model.rod import Boundary
 from rodgen.model.terms import MOVING_BASE, boundary_of
 from rodgen.scene.base_table import BaseTable
-from rodgen.scene.expression import Numbers
+from rodgen.scene.expression_text import Numbers
 from rodgen.scene.integration import EventTable, IntegrationTable
 from rodgen.scene.load_tables import Loads
 from rodgen.scene.lookup_table import MOST_ROWS, LookupTable, parse_table

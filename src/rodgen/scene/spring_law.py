@@ -11,7 +11,8 @@ from numpy.typing import NDArray
 from rodgen.errors import InputError
 from rodgen.model.rod import SPRING
 from rodgen.scene import grammar
-from rodgen.scene.expression import Expression, Numbers
+from rodgen.scene.expression import Expression
+from rodgen.scene.expression_text import Numbers
 
 NAME, FIELD = SPRING.key, f"rod.{SPRING.key}"
 BEND, STIFFNESS = "d", "k"

@@ -4,14 +4,11 @@ from __future__ import annotations
 
 import hashlib
 import json
-import re
-from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field, fields
-from fractions import Fraction
 from functools import cached_property
-from itertools import chain, combinations, starmap
+from itertools import starmap
 
-from rodgen.errors import InputError, did_you_mean
+from rodgen.errors import InputError
 from rodgen.model.rod import (
     BOUNDARIES,
     INERTIAS,
@@ -22,11 +19,10 @@ from rodgen.model.rod import (
     Boundary,
     changing_body_rows,
 )
-from rodgen.model.term import ANY, BASE, JOINTS, LINKS, NOT_NEGATIVE, SPRINGS, Parameter, Term
+from rodgen.model.term import ANY, JOINTS, LINKS, NOT_NEGATIVE, SPRINGS, Parameter, Term
 from rodgen.model.terms import (
     BASE_ROWS,
     PARAMETERS,
-    TERMS,
     THESIS_TERMS,
     boundary_of,
     load_places,
@@ -37,10 +33,9 @@ from rodgen.scene.expression import Expression, open_expression
 from rodgen.scene.grammar import Sensor
 from rodgen.scene.literals import check_name, mass_name, number_parameter, table_parameter
 from rodgen.scene.plain_tables import to_plain
+from rodgen.scene.term_texts import check_choice, check_links, check_term, sort_terms
 
-MOST_LINKS = 10**6
 LONGEST = 150  # letters of loads in the name of a module, which is one of files
-PLACE = re.compile(r"(0|[1-9][0-9]{0,6})(?:\+([1-9][0-9]{0,30}/[1-9][0-9]{0,30}))?")
 
 
 @dataclass(frozen=True, repr=False)
@@ -85,7 +80,7 @@ class Structure:
         check_choice("boundary", self.boundary, BOUNDARIES)
         check_choice("inertia", self.inertia, INERTIAS)
         for term in self.terms:
-            _check_term(term, self.n_links, self.boundary_condition)
+            check_term(term, self.n_links, self.boundary_condition)
         for what in self.nonuniform:
             check_choice("nonuniform", what, NONUNIFORM)
         object.__setattr__(
@@ -100,7 +95,7 @@ class Structure:
             if what in self.nonuniform and self.inertia != inertia:
                 raise InputError("nonuniform", what, f"absent for inertia {self.inertia}")
         check_links(self.n_links, self.boundary)
-        ordered = _sort_terms(self.terms)
+        ordered = sort_terms(self.terms)
         if ordered != self.terms:
             object.__setattr__(self, "terms", ordered)
         own = self._own_parameters
@@ -337,80 +332,3 @@ class Structure:
         later = ("states", "spring", "masses", "tables")
         content += [{name: getattr(self, name)} for name in later if getattr(self, name)]
         return hashlib.sha256(json.dumps(content).encode()).hexdigest()[:16]
-
-
-def parse_terms(text: str) -> tuple[str, ...]:
-    """Terms from `all` (the thesis's four), `none` or a list with commas; raises InputError."""
-    if text == "all":
-        return THESIS_TERMS
-    if text in ("none", "conservative"):
-        return ()
-    names = [name.strip() for name in text.split(",")]
-    kinds = [name.partition("@")[0] for name in names]
-    for kind in kinds:
-        check_choice("terms", kind, TERMS if "," in text else (*TERMS, "all", "none"))
-    if any(kinds.count(kind) > 1 and not TERMS[kind].placed for kind in kinds):
-        raise InputError("terms", text, "each term once, but for those that stand at a place")
-    return _sort_terms(tuple(names))
-
-
-def _sort_terms(terms: tuple[str, ...]) -> tuple[str, ...]:
-    """Terms in the order of the vocabulary; a term without a place is kept once."""
-    found = []
-    for kind, term in TERMS.items():
-        same = [text for text in terms if text.partition("@")[0] == kind]
-        found += same if term.placed else same[:1]
-    return tuple(found)
-
-
-def _check_term(text: str, links: int, boundary: Boundary) -> None:
-    """Raise InputError for a term that is unknown or not of this boundary, at a place that it
-    cannot have, or with a parameter that is not an optional one."""
-    kind, at, place = text.partition("@")
-    check_choice("terms", kind, TERMS)
-    if TERMS[kind].kind == BASE:
-        keys = base_keys(boundary)
-        check_choice("terms", text, [f"{kind}@{'+'.join(some)}" for some in _choices(keys)])
-        return
-    if not at:
-        return
-    options = dict.fromkeys(one.key for one in TERMS[kind].parameters if one.optional)
-    if options:
-        some = (f"{kind}@{'+'.join(given)}" for given in _choices([*options]))
-        check_choice("terms", text, [kind, *some])
-        return
-    if not TERMS[kind].placed:
-        raise InputError("terms", text, f"{kind}, which has no place")
-    found = PLACE.fullmatch(place)
-    if not (found and int(found[1]) < links and Fraction(found[2] or 0) < 1):
-        allowed = f"{kind}@link or {kind}@link+share, of a load at a point of one of {links} links"
-        raise InputError("terms", text, allowed)
-
-
-def _choices(keys: Sequence[str]) -> Iterable[tuple[str, ...]]:
-    """One or several of some keys, in their order."""
-    return chain.from_iterable(combinations(keys, count + 1) for count in range(len(keys)))
-
-
-def base_keys(boundary: Boundary) -> tuple[str, ...]:
-    """Keys of the motion that what holds the start of a rod may have; none of one that is free."""
-    keys = (one.key for one in BASE_ROWS if boundary.is_clamped or not one.is_angle)
-    return tuple(keys) if boundary.is_held else ()
-
-
-def check_choice(field_name: str, value: object, allowed: Iterable[str]) -> None:
-    """Raise InputError unless the value is one of those allowed."""
-    allowed = tuple(allowed)
-    if value not in allowed:
-        raise InputError(
-            field_name, value, f"one of {', '.join(allowed)}{did_you_mean(value, allowed)}"
-        )
-
-
-def check_links(links: object, boundary: str, field_name: str = "links") -> None:
-    """Raise InputError for a number of links that the boundary does not allow."""
-    least = BOUNDARIES[boundary].min_links
-    whole = links if isinstance(links, int) and not isinstance(links, bool) else -1
-    if not least <= whole <= MOST_LINKS:
-        held = "" if least == 1 else f" for boundary {boundary}"
-        raise InputError(field_name, links, f"a whole number from {least} to {MOST_LINKS}{held}")

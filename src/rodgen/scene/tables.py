@@ -19,12 +19,12 @@ from pydantic_core import PydanticCustomError
 
 from rodgen.errors import InputError, Missing
 from rodgen.model.rod import BOUNDARIES, INERTIAS, Boundary
-from rodgen.scene import structure as st
-from rodgen.scene.expression import Numbers
+from rodgen.scene.expression_text import Numbers
 from rodgen.scene.law import Law
 from rodgen.scene.number_text import AS_TEXTS, Expressed, to_texts
 from rodgen.scene.plain_tables import AGAIN, make_immutable
 from rodgen.scene.rod_points import link_and_share
+from rodgen.scene.term_texts import check_choice, check_links
 from rodgen.scene.validation import to_input_error
 
 MOST_TABLES = 1000  # of a kind: bodies, supports, events, states
@@ -180,9 +180,9 @@ class RodTable(Table):
 
     @model_validator(mode="after")
     def _check_consistency(self) -> Self:
-        st.check_choice("rod.boundary", self.boundary, BOUNDARIES)
-        st.check_choice("rod.inertia", self.inertia, INERTIAS)
-        st.check_links(self.links, self.boundary, "rod.links")
+        check_choice("rod.boundary", self.boundary, BOUNDARIES)
+        check_choice("rod.inertia", self.inertia, INERTIAS)
+        check_links(self.links, self.boundary, "rod.links")
         if self.clamp_angle is not None and not BOUNDARIES[self.boundary].is_clamped:
             allowed = f"absent: boundary {self.boundary} has no clamp"
             raise InputError("rod.clamp_angle", self.clamp_angle, allowed)

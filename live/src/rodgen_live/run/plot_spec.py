@@ -10,8 +10,8 @@ from pydantic import BaseModel, Field, ValidationError
 
 from rodgen.errors import InputError
 from rodgen.model.quantities import OWN
-from rodgen.scene.structure import check_choice
 from rodgen.scene.tables import LARGEST
+from rodgen.scene.term_texts import check_choice
 from rodgen.scene.validation import to_input_error
 from rodgen_live.plot_quantities import KINDS, Catalogue
 from rodgen_live.run.sample_curves import DIRECTIONS

@@ -31,7 +31,7 @@ from rodgen.scene.literals import literals, number_parameter
 from rodgen.scene.load_tables import FinFactor
 from rodgen.scene.mesh import mesh_dependent_values, refined_tables
 from rodgen.scene.plain_tables import get_at
-from rodgen.scene.structure import check_choice, check_links
+from rodgen.scene.term_texts import check_choice, check_links
 
 # Bytes of a scene that comes from a browser; a message of its connection has at most a million.
 LARGEST = 2**19

@@ -44,7 +44,7 @@ from rodgen.model.methods import ADAPTIVE, FIXED_STEP
 from rodgen.progress import format_duration
 from rodgen.result import Result, ResultTable, Row, omit_from_tables
 from rodgen.scene import Scene
-from rodgen.scene.structure import check_choice
+from rodgen.scene.term_texts import check_choice
 from rodgen.system import System
 
 if TYPE_CHECKING:
