@@ -292,3 +292,24 @@ def test_every_explicit_method_goes_side_by_side(model: ModuleType) -> None:
     assert [name for name in METHODS if lane_runs.can_use_lanes(name)] == [*FIXED, "dop853"]
     assert {*native_batch.KEEPS} == {*REDUCTIONS}
     assert facts_of(model).model.LANES.states == len(model.STATE)
+
+
+@pytest.mark.parametrize(
+    "base", [{"x": "0.1*t", "angle": "0.3*sin(4*t)"}, {"angle": "0.3*max(0, t - 0.5)"}]
+)
+def test_rods_on_a_moving_base_go_side_by_side(base: dict[str, str]) -> None:
+    """Those whose base has blows one after another."""
+    rod = {"links": 2, "length": 1.0, "bending_stiffness": 1.0, "mass": 1.0}
+    table: dict[str, Any] = {"name": "held", "rod": rod | {"boundary": "cantilever"}, "base": base}
+    table |= {"loads": {"gravity": {}, "viscous_drag": {"normal": 0.3}}}
+    table["integrate"] = SPAN | {"method": "dop853", "rtol": 1e-11, "atol": 1e-13}
+    system = rodgen.System(Scene.from_dict(table))
+    masses = [1.0, 1.5, 2.0]
+    keep = ["last(tip_x)", "last(kinetic_energy)", "last(work_base)", "max(energy_balance)"]
+    many = rodgen.simulate_many(system, {"rod.mass": masses}, keep=keep)
+    assert np.all(many.values["max(energy_balance)"] < 1e-9)
+    for at, mass in enumerate(masses):
+        one = rodgen.simulate(system.at({"rod.mass": mass}), progress=False)
+        expected = one.tip[-1, 0], one.energy.kinetic[-1], one.work["base"][-1]
+        found = [many.values[name][at] for name in keep[:3]]
+        np.testing.assert_allclose(found, expected, rtol=1e-8)

@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import math
+from itertools import product
 
 import numpy as np
 import pytest
+import sympy
 
 from rodgen.scene.expression import Expression, parse_expression
 from rodgen.scene.zeros import SEEN, find_pulses
@@ -126,6 +128,20 @@ def test_slopes_are_differences() -> None:
             # h^2 of the third derivative, and rounding over h.
             slope = float(law.derivative(np.asarray(t), {"s": 0.0}))
             assert slope == pytest.approx((ends[1] - ends[0]) / (2 * h), rel=1e-7, abs=1e-9)
+
+
+def test_second_derivatives_are_those_of_sympy() -> None:
+    """Of what moves a base, whose velocity and acceleration are taken from its text."""
+    t = sympy.Symbol("t")
+    known = {"t": t, "abs": sympy.Abs, "tan": sympy.tan}
+    for text in (
+        *("sin(t)*cos(2*t) - t**3", "tan(t/3)/(2 + t**3)", "exp(-t) - log(1 + t)"),
+        *("sqrt(1 + t**2)*tanh(t)", "(1 + t)**(2*t)", "2**t/(1 + sin(t)**2)"),
+    ):
+        law, exact = Expression(text, "t"), sympy.sympify(text, known)
+        for order, at in product((1, 2), (0.21, 0.77)):
+            expected = float(exact.diff(t, order).subs(t, at))
+            assert float(law.derivative(at, {}, order)) == pytest.approx(expected, rel=1e-12)
 
 
 # Where a load wakes up after a rest: begin, peak and end by hand ----------------------------------

@@ -30,7 +30,7 @@ SHOWN = 10  # events
 # Members that only quantities and studies read.
 PARTS = {
     *("extra_states", "evaluate", "has_feedback", "energy_input", "boundary_condition"),
-    *("names", "run_notes", "isel", "time_dependent_loads", "head"),
+    *("names", "run_notes", "isel", "time_dependent_loads", "head", "has_parameter"),
 }
 COUNTED = (
     ("nsteps", "steps"),
