@@ -11,7 +11,7 @@ import pytest
 import rodgen
 from live.tests.runs import decoded
 from rodgen.loading import build_fastest
-from rodgen.model.terms import TERMS, THESIS_TERMS
+from rodgen.model.terms import THESIS_TERMS
 from rodgen.scene import Scene
 from rodgen_live.open_run import Live
 from rodgen_live.page import elements
@@ -20,7 +20,7 @@ from rodgen_live.run.change_history import ChangeMarks
 from rodgen_live.run.message import rod_arrays
 from rodgen_live.run.page_state import AHEAD, LONGEST_TRAIL, PageState
 from rodgen_live.sample_store import Chunk, SampleStore
-from tests.palette import ROD
+from tests.palette import ALL, ROD
 
 
 class Stepped:
@@ -177,7 +177,7 @@ def test_a_page_is_told_where_everything_falls_at_present(make_scene: Callable[.
 
 
 @pytest.mark.parametrize(
-    ("terms", "links"), [(THESIS_TERMS, 5), pytest.param(tuple(TERMS), 2, marks=pytest.mark.slow)]
+    ("terms", "links"), [(THESIS_TERMS, 5), pytest.param(ALL, 2, marks=pytest.mark.slow)]
 )
 def test_every_load_that_a_page_draws_is_told(
     make_scene: Callable[..., Scene], terms: tuple[str, ...], links: int

@@ -141,7 +141,7 @@ def test_a_straight_rod_has_the_inertia_of_a_bar(make_scene: Make) -> None:
 
 
 @pytest.mark.parametrize(
-    ("links", "terms"), [(1, ()), (5, THESIS_TERMS), (1, TERMS)], ids=["bare", "usual", "all"]
+    ("links", "terms"), [(1, ()), (5, THESIS_TERMS), (1, ALL)], ids=["bare", "usual", "all"]
 )
 def test_rows_are_those_of_the_scene(make_scene: Make, links: int, terms: tuple[str, ...]) -> None:
     scene = make_scene(links, terms=terms)

@@ -64,6 +64,19 @@ def test_what_a_scene_holds_names_every_load_body_support_and_state() -> None:
     assert describe_loads(scene) == [*followers, "gravity", "foundation", "2 supports", "state lag"]
 
 
+def test_what_a_scene_holds_says_how_its_base_moves() -> None:
+    def reasons(boundary: str, **tables: Any) -> dict[str, str]:
+        scene = scene_of(rod={"boundary": boundary}, **tables)
+        return {piece.piece: piece.reason for piece in model_parts(scene)}
+
+    moved = reasons("pinned", base={"x": "0.2*t**2", "y": "sin(3*t)"})
+    assert all(text in moved["base"] for text in ("x is a function of t", "0.2 * t", "sin(3 * t)"))
+    assert "[base]" in moved["translation x0, y0"]
+    still = reasons("pinned")
+    assert (still["base"], "fixed" in still["translation x0, y0"]) == ("no table [base]", True)
+    assert "nothing holds" in reasons("free")["base"]
+
+
 def test_break_points_of_all_forces_are_those_of_the_scene() -> None:
     loads = {
         "follower": {"force": "max(t - 3, 0) + abs(t - 0.1*3)"},

@@ -28,6 +28,7 @@ from rodgen.show.animation.motion import sample_motion
 from rodgen.system import System
 from tests.palette import cases
 from tests.told import refused
+from tests.view.marks import turned
 
 Make = Callable[..., Solution]
 Pixels = np.ndarray
@@ -316,6 +317,28 @@ def test_a_couple_is_as_long_an_arc_as_it_is_large(make_scene: Callable[..., Sce
     seen = [int((picture[AXES][..., :3] == blue).all(axis=-1).sum()) for picture in pictures]
     assert seen[0] > 20
     assert seen[1] == 0
+
+
+@cases("view", ("fixed", "axes"))
+def test_a_clamp_turns_in_the_film(make_scene: Callable[..., Scene], view: str) -> None:
+    """With the base, and against a picture that turns with the rod."""
+    scene = make_scene(2, "cantilever").replace({"base": {"angle": "0.5*t", "x": "t"}})
+    y = np.zeros((3, 2))
+    y[:, 0] = 0.5 * (t := np.array([0.0, 1.0, 2.0]))  # straight: all of it turns
+    film = FrameRenderer(
+        sample_motion(Solution(System(scene), t, y, {}, NO_STATS)),
+        scene,
+        FilmSettings(view=view, width=640, height=480),
+        1.0,
+    )
+    found = []
+    for k in range(3):
+        film.render(k, t[k])
+        found.append(turned(film._start))
+    # An axis points from the tail to the nose: half a turn.
+    assert np.diff(found) == pytest.approx([0.5 * (view == "fixed")] * 2, abs=1e-9)
+    assert found[0] % np.pi == pytest.approx(0.0, abs=1e-9)
+    assert len(film._trails[-1][0].get_xydata()) == 3  # of the root
 
 
 def test_names_of_loads_are_within_the_film(make_scene: Callable[..., Scene]) -> None:

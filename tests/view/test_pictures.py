@@ -23,7 +23,7 @@ from rodgen.show.marks import LONGEST_TURN, curved_arrow, draw_by_stability
 from rodgen.show.picture_files import save_figures
 from rodgen.show.picture_settings import PictureSettings
 from rodgen.show.run_pictures import energies, phase_plot, trajectories
-from rodgen.show.summary import summary
+from rodgen.show.summary import scene_table, summary
 from rodgen.show.time_pictures import (
     moment_map,
     shapes,
@@ -31,6 +31,7 @@ from rodgen.show.time_pictures import (
 )
 from tests.palette import ROD
 from tests.told import numbers
+from tests.view.marks import turned
 
 
 def run(force: float | str = 0.0, g: float = 0.0, **more: Any) -> Solution:
@@ -206,6 +207,26 @@ def test_weight_is_drawn_along_its_vector(make_scene: Callable[..., Scene]) -> N
     due = scene.rod.mass * np.c_[3 * np.cos(solution.t), -4.0 + 0 * solution.t]
     force = sample_motion(solution).loads["gravity"].force
     np.testing.assert_allclose(force, due, rtol=1e-12)
+
+
+def test_what_holds_a_rod_is_drawn_where_it_moves(make_scene: Callable[..., Scene]) -> None:
+    """Marks go and turn as the functions of time of the base say, and the root has a path."""
+    base = {"x": "0.3*sin(2*t)", "y": "0.2*cos(3*t)", "angle": "t"}
+    scene = make_scene(3, "clamped", ()).replace({"base": base, "rod.clamp_angle": 0.4})
+    solution = rodgen.simulate(scene, span=(0.5, 1.6), output_every=0.1, target="numpy")
+    due = np.c_[0.3 * np.sin(2 * solution.t), 0.2 * np.cos(3 * solution.t)]
+    start = scene_at_start(solution.scene).axes[0]
+    for axes, count in ((shapes(solution).axes[0], 12), (start, 1)):
+        marks = [line for line in axes.lines if line.get_marker() == "s"]
+        places = np.concatenate([mark.get_xydata() for mark in marks])
+        np.testing.assert_allclose(places, due[:count], atol=1e-12)  # of metres: rounding
+        np.testing.assert_allclose(list(map(turned, marks)), 0.4 + solution.t[:count])
+    (path,) = (line for line in trajectories(solution).axes[0].lines if line.get_label() == "root")
+    np.testing.assert_allclose(path.get_xydata(), due, atol=1e-12)
+    np.testing.assert_allclose(sample_motion(solution).clamp, 0.4 + solution.t)
+    assert "base x 0.3*sin(2*t) m, y 0.2*cos(3*t) m, angle t rad" in " ".join(
+        str(scene_table(scene)).split()
+    )
 
 
 def test_the_error_of_energy_has_numbers_at_powers_of_ten_alone(swinging: Solution) -> None:

@@ -185,10 +185,11 @@ class Term:
     @property
     def initial_table(self) -> dict[str, Any]:
         """Initial table of a load that is added to a scene, without parameters of every joint,
-        optional ones and those that have no initial value."""
+        those that have no initial value, and optional ones without a first value."""
         found: dict[str, Any] = {}
         for one in self.given or self.parameters:
-            if one.initial_value is None or one.each == JOINTS or one.optional:
+            unasked = one.optional and one.first is None
+            if one.initial_value is None or one.each == JOINTS or unasked:
                 continue
             if one.part is not None:
                 found.setdefault(one.key, []).append(one.initial_value)

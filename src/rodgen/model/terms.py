@@ -164,7 +164,7 @@ ROWS = (
     Term("base", "base", "moving base", "", BASE, "motion of what holds the start of the rod",
         parameters=(
         Parameter("base_x", "x", "base x", "", "m",
-            "place of joint 0 along x []", timed=True, optional=True),
+            "place of joint 0 along x []", first=0.0, timed=True, optional=True),
         Parameter("base_y", "y", "base y", "", "m",
             "place of joint 0 along y []", timed=True, optional=True),
         Parameter("base_angle", "angle", "base angle", "", "rad",

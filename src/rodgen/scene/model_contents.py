@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 from rodgen.model.rod import INERTIAS
-from rodgen.model.term import DAMPER, Term
+from rodgen.model.term import BASE, DAMPER, Term
 from rodgen.model.terms import TERMS
 from rodgen.scene.grammar import abbreviate
 from rodgen.scene.law import Along
@@ -41,7 +41,8 @@ def _rod_parts(scene: Scene) -> Iterator[ModelPart]:
     """Yield the parts of the rod and a part for every body."""
     rod, start, along = scene.rod, scene.boundary_condition, scene.distribution
     moving, boundary = rod.links - start.first, f"boundary {rod.boundary}"
-    fixed = "" if start.translates else ": joint 0 is fixed"
+    held = "joint 0 is fixed" if scene.base is None else "[base] moves what holds it"
+    fixed = "" if start.translates else f": {held}"
     yield ModelPart("translation x0, y0", start.translates, boundary + fixed)
     clamp = "; link 0 is held at clamp_angle" if start.first else ""
     links = f"links {start.first} to {rod.links - 1}{clamp}"
@@ -126,6 +127,8 @@ def _describe_variation(law: Along | None) -> str:
 
 def _term_part(scene: Scene, term: Term) -> ModelPart:
     name, table = term.words, f"table {_table_heading(scene, term)}"
+    if term.kind == BASE and not scene.boundary_condition.is_held:
+        return ModelPart(name, False, f"boundary {scene.rod.boundary}: nothing holds the rod")
     if term.name not in scene.structure.loads:
         return ModelPart(name, False, f"no {table}")
     if term.kind == DAMPER and not scene.boundary_condition.spring_joints(scene.rod.links):

@@ -30,6 +30,7 @@ from rodgen.show.canvas import (
 )
 from rodgen.show.marks import (
     STABILITY,
+    base_at,
     describe_marks,
     draw_by_stability,
     draw_marks,
@@ -85,8 +86,9 @@ def _deflection(data: xarray.Dataset, prefix: str, scene: Scene) -> tuple[str, A
         return "angle of the tail against the nose [rad]", phi[:, -1] - phi[:, 0]
     if not scene.boundary_condition.is_clamped:
         return "y of the tail [m]", tip[:, 1]
-    angle = scene.rod.clamp_angle or 0.0
-    return "tail across the line of the clamp [m]", tip @ [-np.sin(angle), np.cos(angle)]
+    start, angle = base_at(scene, data.attrs["t"])
+    across = (tip - start) @ [-np.sin(angle), np.cos(angle)]
+    return "tail across the line of the clamp [m]", across
 
 
 def equilibrium_shapes(found: list[Equilibrium], scene: Scene) -> Figure:
@@ -96,7 +98,7 @@ def equilibrium_shapes(found: list[Equilibrium], scene: Scene) -> Figure:
     for one, kind, colour in zip(found, kinds, cycle(SERIES), strict=False):
         style = STABILITY[kind][0]
         axes.plot(*one.joints.T, color=colour, linestyle=style, linewidth=LINE)
-        draw_marks(axes, scene, one.joints, colour)
+        draw_marks(axes, scene, one.joints, colour, t=one.t)
     axes.set_aspect("equal", adjustable="datalim")
     axes.set(xlabel="x [m]", ylabel="y [m]")
     add_remark(axes, describe_marks(scene))

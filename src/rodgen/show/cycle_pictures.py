@@ -63,7 +63,7 @@ def film_strip(cycle: Cycle) -> Figure:
             before = (at - back * step // TRAIL_SHAPES) % (len(joints) - 1)
             axes.plot(*joints[before].T, "-", color=ROD, alpha=0.7 - 0.14 * back, linewidth=0.8)
         axes.plot(*joints[at].T, "-", color=ROD, linewidth=LINE)
-        draw_marks(axes, scene, joints[at], ROD)
+        draw_marks(axes, scene, joints[at], ROD, t=cycle.motion.t[at])
         axes.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]), aspect="equal")
         axes.set_title(f"{frame}/{FRAMES} T")
     kind = "stable" if cycle.stable else "unstable"

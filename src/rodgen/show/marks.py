@@ -11,8 +11,10 @@ from typing import Any, Literal
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
+from matplotlib.markers import MarkerStyle
 
 from rodgen.arrays import Array
+from rodgen.model.terms import BASE_ROWS
 from rodgen.scene import Scene
 from rodgen.show.canvas import BED, CURVE, FIXED, LINE
 
@@ -65,12 +67,36 @@ def stability_legend(kinds: Collection[int], colour: str) -> list[Line2D]:
     ]
 
 
-def draw_marks(axes: Axes, scene: Scene, joints: Array, colour: Any, anchors: bool = True) -> None:
-    """Draw the start of a rod with joints at (n+1, 2), its bodies as discs, their areas by their
-    masses, and on request its supports as dotted lines to triangles at their fixed points, its
-    foundation as a broad line."""
+def base_at(scene: Scene, t: Array | float | None = None) -> tuple[Array, Array]:
+    """Return where what holds a rod has joint 0 [m], (..., 2), and the angle of its clamp [rad], 0
+    without one, (...), at times [s], (...), by default the start of the span."""
+    t, laws = scene.integrate.span[0] if t is None else t, scene.time_dependent_loads
+    given = {} if scene.base is None else scene.base.values
+    names = (one.name for one in BASE_ROWS)
+    moved = (laws[name](t) if name in laws else given.get(name, 0.0) for name in names)
+    x, y, turned, _ = np.broadcast_arrays(*moved, t)
+    return np.stack((x, y), axis=-1), (scene.rod.clamp_angle or 0.0) + turned
+
+
+def moves_root(scene: Scene) -> bool:
+    """Return whether what holds the rod moves joint 0."""
+    return scene.base is not None and scene.base.keys != ("angle",)
+
+
+def draw_marks(
+    axes: Axes,
+    scene: Scene,
+    joints: Array,
+    colour: Any,
+    anchors: bool = True,
+    t: float | None = None,
+) -> None:
+    """Draw the start of a rod with joints at (n+1, 2), turned as its clamp is at a time (see
+    `base_at`), its bodies as discs, their areas by their masses, and on request its supports as
+    dotted lines to triangles at their fixed points, its foundation as a broad line."""
     mark, size, _ = STARTS[scene.boundary_condition.start_drawing]
-    axes.plot(*joints[0], mark, color=colour, markersize=size)
+    turned = turned_mark(mark, base_at(scene, t)[1])
+    axes.plot(*joints[0], marker=turned, color=colour, markersize=size)
     for body in scene.distribution.body_outlines:
         how = {"color": colour, "alpha": 0.6, "markersize": DISC * body.size}
         axes.plot(*body.positions(joints), "o", **how)
@@ -80,6 +106,11 @@ def draw_marks(axes: Axes, scene: Scene, joints: Array, colour: Any, anchors: bo
     for tie in scene.anchors.support_points:
         axes.plot(*tie.segment(joints).T, ":", color=colour, linewidth=LINE)
         axes.plot(tie.x, tie.y, "^", color=FIXED, markersize=7)
+
+
+def turned_mark(mark: str, angle: Array | float) -> MarkerStyle:
+    """Return a mark that is turned by an angle [rad]."""
+    return MarkerStyle(mark).rotated(rad=float(angle))
 
 
 def curved_arrow(radius: float, share: float) -> Array:

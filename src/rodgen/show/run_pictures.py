@@ -38,6 +38,7 @@ from rodgen.show.canvas import (
 )
 from rodgen.show.envelope import envelope
 from rodgen.show.event_marks import mark_path, mark_times
+from rodgen.show.marks import moves_root, start_name
 from rodgen.show.picture_files import save_figures
 from rodgen.show.picture_settings import FORMATS, PictureSettings
 from rodgen.show.time_pictures import (
@@ -169,15 +170,17 @@ def drawable_part(solution: Solution) -> Solution:
 
 
 def trajectories(solution: Solution) -> Figure:
-    """Paths of the centre of gravity and of the tail, with rings at equal intervals of time where a
-    path does not go to and fro."""
+    """Paths of the centre of gravity and of the tail, and of a root that is moved, with rings at
+    equal intervals of time where a path does not go to and fro."""
     figure, (axes,) = make_axes(6.0, 5.0)
     t = solution.t
     ticks = MaxNLocator(RINGS, steps=[1, 2, 5, 10]).tick_values(t[0], t[-1])
     times = ticks[(ticks > t[0]) & (ticks < t[-1])]
     paths = {"tail": solution.tip, "centre of gravity": solution.centre_of_gravity}
+    if moves_root(solution.scene):
+        paths[start_name(solution.scene)] = solution.joints[:, 0]
     ringed = False
-    for (name, path), colour in zip(paths.items(), (TAIL, CENTRE), strict=True):
+    for (name, path), colour in zip(paths.items(), (TAIL, CENTRE, INK), strict=False):
         steps = np.linalg.norm(np.diff(path, axis=0), axis=1).sum()
         long = steps > LONG * np.ptp(path, axis=0).max()
         width = LINE / 2 if long else LINE

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+
 import numpy as np
 
 from rodgen.integrate import Solution
 from rodgen.integrate.dense_output import visible_error
 from rodgen.integrate.trajectory import ErrorGrowth
-from rodgen.model.terms import describe
+from rodgen.model.terms import BASE_ROWS, describe
 from rodgen.result import DOUBT, ResultTable
 from rodgen.scene import Scene
 from rodgen.scene.law import Along
@@ -46,10 +48,18 @@ def scene_table(scene: Scene) -> ResultTable:
         "curvature at rest": _rest_curvature(rod.rest_curvature),
         "bodies": ", ".join(body.name for body in scene.bodies),
         "loads": ", ".join(describe_loads(scene)),
+        "base": ", ".join(_base(scene)),
         "span": f"{settings.span[0]:g} to {settings.span[1]:g} s, by {settings.method}",
         "events": ", ".join(event.name for event in scene.events),
     }
     return ResultTable.of_values({name: text for name, text in rows.items() if text})
+
+
+def _base(scene: Scene) -> Iterator[str]:
+    """Yield what moves the start of the rod, by key."""
+    for one in BASE_ROWS if scene.base is not None else ():
+        if (value := getattr(scene.base, one.key)) is not None:
+            yield f"{one.key} {describe_along(value)} {one.unit}"
 
 
 def _scene(solution: Solution) -> str:

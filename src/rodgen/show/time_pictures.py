@@ -33,7 +33,7 @@ from rodgen.show.canvas import (
     width_of,
 )
 from rodgen.show.event_marks import mark_times
-from rodgen.show.marks import describe_marks, draw_marks, start_name
+from rodgen.show.marks import describe_marks, draw_marks, moves_root, start_name
 
 WINDOW = "hann"
 FEWEST_SAMPLES = 16  # samples of a spectrum
@@ -116,10 +116,8 @@ def shapes(solution: Solution) -> Figure:
     figure, (axes,) = make_axes(6.0, 5.0)
     scene, samples = solution.scene, _choose_samples(solution)
     t, every, far = solution.t[samples], solution.joints[samples], solution.scene.rod.length
-    apart = (
-        scene.boundary_condition.translates
-        and float(np.ptp(every, axis=(0, 1)).max()) > FAR_FLIGHT * far
-    )
+    goes = scene.boundary_condition.translates or moves_root(scene)
+    apart = goes and float(np.ptp(every, axis=(0, 1)).max()) > FAR_FLIGHT * far
     if apart:
         places = far * np.arange(len(t))
         centres = solution.centre_of_gravity[samples]
@@ -128,7 +126,7 @@ def shapes(solution: Solution) -> Figure:
     for time, joints in zip(t, every, strict=True):
         colour = colours.to_rgba(time)
         axes.plot(*joints.T, "-", color=colour, linewidth=LINE)
-        draw_marks(axes, scene, joints, colour, anchors=not apart)
+        draw_marks(axes, scene, joints, colour, not apart, time)
     across = "shapes side by side, in the scale of y, at t [s]" if apart else "x [m]"
     up = "y from the centre of gravity [m]" if apart else "y [m]"
     axes.set(xlabel=across)

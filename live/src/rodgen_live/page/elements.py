@@ -130,7 +130,7 @@ class RodCanvas(Component, component=STATIC / "rod.js"):
     bodies [{name, link, along, across, size}] (see scene.link_parts.BodyOutline), ties [{link,
     share, x, y}] (see scene.anchors.SupportPoint), bed [[x, y], [x, y]] of a foundation, view
     ("fixed", "centre": the centre of gravity stays where it is, "axes": and the principal axes as
-    well), support ("none", "wall", "pin"), clampAngle, restShape [rad], tool (see TOOLS), perMetre
+    well), support ("none", "wall", "pin"), restShape [rad], tool (see TOOLS), perMetre
     (of a kick, [N s] for a metre dragged), hold (what pulls stays where it is let go), times (by
     which displacements from the rod at rest are enlarged), mode (a mode shape to draw, see
     page/mode_panel.py), label (for screen readers), rod (any number: another one fits the picture

@@ -15,6 +15,7 @@ from rodgen_live.page.elements import RodCanvas
 from rodgen_live.page.fields import Entry, ask, format_number, parse_integer, parse_number
 from rodgen_live.page.page_run import PageRun
 from rodgen_live.pull import Pull
+from rodgen_live.run.message import trail_points
 
 SWING = 2.0  # seconds in which the rod would swing on the spring, were it rigid
 DAMPED = 0.2  # of what would not let it swing
@@ -48,7 +49,7 @@ class PullControls:
 
     def _ask(self) -> None:
         run, size = self.page.run, self.page.scene.rod.length / 10
-        x, y = run.model.joints(run.shown.y[-1], run.shown.p)[-1]
+        x, y, *_ = trail_points(run.model, run.shown)[-1]  # of the tail
         far = {"far end, x [m]": round(x, DIGITS), "y [m]": round(y + size, DIGITS)}
         ask_point(self.page, "Pull", far, self._pull)
 

@@ -124,7 +124,6 @@ def scene_props(scene: Scene) -> dict[str, Any]:
         "bodies": [asdict(mark) for mark in scene.distribution.body_outlines],
         "ties": [asdict(tie) for tie in scene.anchors.support_points],
         "bed": scene.anchors.foundation_line.tolist(),
-        "clampAngle": scene.anchors.angle,
         "restShape": scene.distribution.rest_shape.tolist(),
         "support": scene.boundary_condition.start_drawing,
         "loads": arrows_of(scene.loads.terms),

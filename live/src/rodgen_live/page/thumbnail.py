@@ -15,7 +15,7 @@ from rodgen.scene import Scene
 from rodgen.scene.plain_tables import get_at
 from rodgen.scene.rod_points import link_and_share
 from rodgen.show.canvas import ROD
-from rodgen.show.marks import curved_arrow, draw_marks
+from rodgen.show.marks import base_at, curved_arrow, draw_marks
 
 SIZE, ROOM, ARROW = np.array((168.0, 104.0)), 26.0, 22.0  # points; ROOM: about the rod
 ALONG, ASIDE = (0.15, 0.38, 0.62, 0.85), 8.0  # where on the rod arrows stand; points beside it
@@ -51,11 +51,10 @@ def joints_at_start(scene: Scene) -> Array:
     """Positions of the joints at the start [m], (links + 1, 2)."""
     y, boundary, rod = scene.initial_state(), scene.boundary_condition, scene.rod
     free = 2 * boundary.translates
-    held = [rod.clamp_angle or 0.0] * boundary.first
+    held = [base_at(scene)[1]] * boundary.first
     phi = np.concatenate((held, y[free : (len(y) - len(scene.states)) // 2]))
     links = rod.length / rod.links * np.stack((np.cos(phi), np.sin(phi)), axis=-1)
-    start = y[:2] if free else np.array(scene.anchors.start)
-    return np.concatenate(([start], start + np.cumsum(links, axis=0)))
+    return scene.anchors.start + np.cumsum(np.vstack((np.zeros(2), links)), axis=0)
 
 
 def _arrows(scene: Scene, term: Term, joints: Array, point: float) -> Iterator[Sequence[Array]]:

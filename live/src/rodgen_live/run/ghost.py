@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from rodgen.arrays import Array
+from rodgen.loading.generated_module import call_module
 from rodgen_live.plot_quantities import Catalogue
 from rodgen_live.run.plot import Plot
 from rodgen_live.run.plot_spec import LONGEST, counterpart, transfer
@@ -32,10 +33,9 @@ class Ghost:
         other = self.store.nearest(t, 1 if near.t[0] < t else -1)
         gap = other.t[0] - near.t[0]
         share = (t - near.t[0]) / gap if gap else 0.0
-        model = self.catalogue.model
-        here, there = (model.joints(sample.y[0], sample.p) for sample in (near, other))
-        found: Array = here + share * (there - here)
-        return found
+        model, both = self.catalogue.model, (near, other)
+        here, there = (call_module(model, "joints", one.t[0], one.y[0], one.p) for one in both)
+        return np.asarray(here + share * (there - here))
 
     def rows(self, plot: Plot, seen: Chunk) -> Array:
         """Rows of a plot for this run: of a profile those at the time of the seen sample, of a

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from rodgen.arrays import Array
 from rodgen.integrate.couples import couples_of
-from rodgen.integrate.quantity_formulas import MotionSlice, principal_axes
+from rodgen.integrate.quantity_formulas import MotionSlice
 from rodgen.integrate.weights import falls_of
 from rodgen.loading.generated_module import call_module
 from rodgen.system import System
@@ -51,22 +51,23 @@ LARGEST = 1e30  # of what is drawn: beyond, single precision ends
 def rod_arrays(model: ModuleType, system: System, chunk: Chunk) -> tuple[list[float], list[Named]]:
     """Origin [m], and arrays that draw the rod at the last sample: joints relative to the origin,
     rates, moments, axial and shear forces in the joints that have them, forces on the joints by
-    load, free fall, couples; "point": centre of gravity from there, angle of a principal axis."""
-    t, y, p = chunk.t[-1], chunk.y[-1], chunk.p
+    load, free fall, couples; "point": centre of gravity there, angles of an axis and the clamp."""
+    timed = system.time_dependent_loads
     with np.errstate(all="ignore"):  # a state may have stopped being finite
-        joints, centre = model.joints(y, p), call_module(model, "centre_of_gravity", t, y, p)
+        piece = MotionSlice(model, chunk.p, chunk.y[-1], chunk.t[-1], timed=timed)
+        joints, centre = piece.values("joints"), piece.values("centre_of_gravity")
         origin = np.nan_to_num(joints[0], nan=0.0, posinf=0.0, neginf=0.0)
-        angle = float(principal_axes(*call_module(model, "inertia", t, y, p)).angle)
-        piece = MotionSlice(model, p, y, t, timed=system.time_dependent_loads)
+        axis, clamp = piece.values("principal_angle"), piece.values("clamp_angle")
+        angles = [axis, clamp + piece.values("base_angle")]
         arrays: list[Named] = [
             ("joints", single_precision(joints - origin)),
             ("omega", single_precision(piece.values("omega"))),
-            ("moment", single_precision(model.bending_moments(y, p))),
-            ("point", single_precision(np.array([*(centre - origin), angle]))),
+            ("moment", single_precision(piece.values("bending_moments"))),
+            ("point", single_precision(np.array([*(centre - origin), *angles]))),
         ]
         if len(joints) <= MOST_SECTIONS:
             arrays.append(("section", single_precision(piece.values("section_forces"))))
-        forces = model.forces(t, y, p) | falls_of(piece, model.TERMS)
+        forces = piece.values("forces") | falls_of(piece, model.TERMS)
         arrays += [(f"forces:{term}", single_precision(force)) for term, force in forces.items()]
         for term, couple in couples_of(piece, model.TERMS).items():
             arrays.append((f"couple:{term}", single_precision(couple - [*origin, 0.0])))
@@ -103,7 +104,7 @@ TRAIL_AT_FIRST = 2000  # samples that a page is told of when it comes
 def trail_points(model: ModuleType, chunk: Chunk) -> Array:
     """Trail of some samples: tail x, y and centre of gravity x, y [m], and the time [s], (K, 5)."""
     with np.errstate(all="ignore"):  # a state may have stopped being finite
-        tail = model.joints(chunk.y, chunk.p)[:, -1]
+        tail = call_module(model, "joints", chunk.t, chunk.y, chunk.p)[:, -1]
         centre = call_module(model, "centre_of_gravity", chunk.t, chunk.y, chunk.p)
     return np.column_stack((tail, centre, chunk.t))
 

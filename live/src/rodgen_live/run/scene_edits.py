@@ -102,8 +102,9 @@ def groups_of(scene: Scene) -> Iterator[FieldGroup]:
     for at, body in enumerate(scene.bodies):
         group = FieldGroup(f"bodies.{at}", body, BODY, f" of {body.name}")
         yield group._replace(rows=CHANGING_BODY) if isinstance(body.mass, str) else group
-    if scene.foundation is not None:
-        yield FieldGroup("foundation", scene.foundation, TERMS["foundation"].given)
+    for name in ("base", "foundation"):
+        if (table := getattr(scene, name)) is not None:
+            yield FieldGroup(name, table, TERMS[name].given or TERMS[name].parameters)
     for at, support in enumerate(scene.supports):
         least = ROUNDING * scene.rod.length  # of what is no zero
         point = [x if abs(x) >= least else 0.0 for x in scene.anchors.fixed_point(support)]
@@ -187,7 +188,7 @@ class StructureForm:
 def structure_form(scene: Scene) -> StructureForm:
     """Form of a scene; several loads of a kind are one term."""
     rod = scene.rod
-    kinds = {TERMS[name].base_name for name in (*scene.loads.terms, *scene.anchors.terms)}
+    kinds = {TERMS[name].base_name for name in scene.structure.loads}
     terms = tuple(name for name in TERMS if name in kinds)
     return StructureForm(rod.links, rod.boundary, rod.inertia, terms)
 

@@ -115,7 +115,7 @@ export class Picture {
 
   // The joints as they are drawn, in metres from the origin of the state.
   get #joints() {
-    return enlarged(this.state.joints, this.options);
+    return enlarged(this.state, this.options);
   }
 
   // What is to be seen is other than before: it is fitted again, unless a part of it was chosen.
@@ -228,13 +228,13 @@ export class Picture {
 
   #rod(now, colours) {
     const { context, points, state, camera, options } = this;
-    const { show, clampAngle } = options;
+    const { show } = options;
     const told = show.bending && 2 * (state.moment?.length ?? 0) === points.length;
     const moments = told ? state.moment : null;
-    let largest = 0;
-    for (const moment of moments ?? []) largest = Math.max(largest, Math.abs(moment));
+    const largest = (moments ?? []).reduce((most, one) => Math.max(most, Math.abs(one)), 0);
     const limit = moments ? this.#moments.follow(largest, now) : 0;
-    const straight = camera.direction(Math.cos(clampAngle), Math.sin(clampAngle));
+    const clamp = state.point?.[3] ?? 0;
+    const straight = camera.direction(Math.cos(clamp), Math.sin(clamp));
     support(context, options.support, points[0], points[1], straight, colours);
     const [x0, y0] = state.origin;
     anchors(context, points, options, (x, y) => camera.screen(x - x0, y - y0), colours);

@@ -187,7 +187,7 @@ export default {
   props: {
     ...{ show: Object, loads: Array, bodies: Array, ties: Array, bed: Array, mode: Object },
     ...{ view: String, support: String, tool: String, label: String, hold: Boolean },
-    ...{ clampAngle: Number, restShape: Array, perMetre: Number, times: Number, rod: Number },
+    ...{ restShape: Array, perMetre: Number, times: Number, rod: Number },
   },
   mounted() {
     const { canvas, hint } = this.$refs;

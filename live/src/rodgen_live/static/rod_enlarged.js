@@ -3,7 +3,7 @@
 // The joints x0, y0, x1, ... of the rod at rest, whose links have the angles of restShape over that
 // at its start: of a clamped rod from its clamp on; else as near to the joints as a rotation brings
 // it, about the start of a pinned rod, or about the middle of the joints.
-function atRest(joints, { support, clampAngle, restShape }) {
+function atRest({ joints, point }, { support, restShape }) {
   const seen = Array.from({ length: joints.length / 2 }, (_, k) => joints.slice(2 * k, 2 * k + 2));
   const rest = [[0, 0]];
   seen.slice(1).forEach(([x, y], k) => {
@@ -18,16 +18,15 @@ function atRest(joints, { support, clampAngle, restShape }) {
     along += (u - u0) * (seen[k][0] - x0) + (v - v0) * (seen[k][1] - y0);
     across += (u - u0) * (seen[k][1] - y0) - (v - v0) * (seen[k][0] - x0);
   });
-  const angle = support === "wall" ? clampAngle : Math.atan2(across, along);
+  const angle = support === "wall" ? (point?.[3] ?? 0) : Math.atan2(across, along);
   const [c, s] = [Math.cos(angle), Math.sin(angle)];
   const place = ([u, v]) => [x0 + c * (u - u0) - s * (v - v0), y0 + s * (u - u0) + c * (v - v0)];
   return rest.flatMap(place);
 }
 
 // Joints, each as many times as far from the rod at rest as it is.
-export function enlarged(joints, options) {
-  const { times } = options;
-  if (times === 1) return joints;
-  const rest = atRest(joints, options);
-  return Float64Array.from(joints, (place, at) => rest[at] + times * (place - rest[at]));
+export function enlarged(state, options) {
+  if (options.times === 1) return state.joints;
+  const rest = atRest(state, options);
+  return Float64Array.from(state.joints, (x, at) => rest[at] + options.times * (x - rest[at]));
 }

@@ -37,7 +37,7 @@ from rodgen.show.canvas import (
     TAIL,
     moment_norm,
 )
-from rodgen.show.marks import start_name
+from rodgen.show.marks import moves_root, start_name, turned_mark
 
 LARGEST_FILMED = 1e15  # of any state: beyond, a double has no digits left for the shape
 PALETTE = 8  # frames from which a GIF has its colours
@@ -198,8 +198,11 @@ class FrameRenderer:
         """Add the artists that are drawn in every frame."""
         stage, n, limit = self._stage, scene.rod.links, self._motion.bending_limit
         self._ground = stage.add_line(**GRID_STYLE)
+        motion = self._motion
+        paths = [(TAIL, motion.joints[:, -1]), (CENTRE, motion.centre)]
+        paths += [(INK, motion.joints[:, 0])] * moves_root(scene)
         self._trails = [
-            stage.add_line(color, linewidth=1.1, alpha=0.75) for color in (TAIL, CENTRE)
+            (stage.add_line(color, linewidth=1.1, alpha=0.75), path) for color, path in paths
         ]
         # Behind a rod that is pale where it is not bent.
         self._edge = stage.add_line(EDGE, linewidth=ROD_WIDTH + EDGES_WIDTH, solid_capstyle="round")
@@ -261,9 +264,7 @@ class FrameRenderer:
     def _show_trails(self, k: int) -> None:
         t = self._motion.t
         first = int(np.searchsorted(t, t[k] - self._trail))
-        for line, path in zip(
-            self._trails, (self._motion.joints[:, -1], self._motion.centre), strict=True
-        ):
+        for line, path in self._trails:
             self._show(line, self.camera.to_picture_at(k, path[first : k + 1]))
 
     def _show_anchors(self, k: int) -> None:
@@ -282,6 +283,8 @@ class FrameRenderer:
         self._stage.axes.draw_artist(self._rod)
         if self._dotted:
             self._show(self._inner, joints[1:-1])
+        turned = self._motion.clamp[k] - self.camera.angle_of(k)
+        self._start.set_marker(turned_mark(self._hold[0], turned))
         self._show(self._start, joints[:1])
         self._show(self._tail, joints[-1:])
         for mark, disc in self._bodies:

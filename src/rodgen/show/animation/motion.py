@@ -14,6 +14,7 @@ from rodgen.integrate.couples import couples_of
 from rodgen.integrate.weights import falls_of
 from rodgen.model.term import FORCE, SPREAD
 from rodgen.model.terms import TERMS
+from rodgen.show.marks import base_at
 
 # Where the largest bending of all is so many times that of nearly all samples, colours end there.
 OUTLIER, COVERED = 3.0, 0.98
@@ -34,13 +35,14 @@ class LoadSamples(NamedTuple):
 class MotionSamples:
     """Motion at every sample. t: times [s], (S,); joints: [m], (S, n+1, 2); centre: of gravity [m],
     (S, 2); axis: angle of the principal axis of the smaller moment, without jumps [rad], (S,);
-    bending: in every joint, (S, n+1), and label, its name; loads, by their terms; couples: points
-    and moments, (S, 3), likewise."""
+    clamp: its angle, 0 without one [rad], (S,); bending: in every joint, (S, n+1), and label, its
+    name; loads, by their terms; couples: points and moments, (S, 3), likewise."""
 
     t: Array
     joints: Array
     centre: Array
     axis: Array
+    clamp: Array
     bending: Array
     label: str
     loads: dict[str, LoadSamples]
@@ -63,6 +65,7 @@ def sample_motion(solution: Solution) -> MotionSamples:
             solution.joints,
             solution.centre_of_gravity,
             _principal_angle(solution),
+            base_at(solution.scene, solution.t)[1],
             np.nan_to_num(bending),
             label,
             _loads(solution),
