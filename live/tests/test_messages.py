@@ -15,9 +15,11 @@ from rodgen.model.terms import THESIS_TERMS
 from rodgen.scene import Scene
 from rodgen_live.open_run import Live
 from rodgen_live.page import elements
+from rodgen_live.plot_quantities import Catalogue
 from rodgen_live.run import page_state
 from rodgen_live.run.change_history import ChangeMarks
-from rodgen_live.run.message import rod_arrays
+from rodgen_live.run.ghost import Ghost
+from rodgen_live.run.message import rod_arrays, trail_points
 from rodgen_live.run.page_state import AHEAD, LONGEST_TRAIL, PageState
 from rodgen_live.sample_store import Chunk, SampleStore
 from tests.palette import ALL, ROD
@@ -174,6 +176,32 @@ def test_a_page_is_told_where_everything_falls_at_present(make_scene: Callable[.
     chunk = Chunk(np.array([0.3]), y[None], np.zeros((1, 1)), ("gravity",), p)
     found = dict(rod_arrays(model, system, chunk)[1])["forces:gravity"]
     assert found == pytest.approx([0.5 * np.sin(0.9), -9.56], rel=1e-6)  # single
+
+
+@pytest.mark.parametrize("boundary", ["clamped", "cantilever"])
+def test_a_page_is_told_how_the_clamp_stands(
+    make_scene: Callable[..., Scene], boundary: str
+) -> None:
+    """Its place is the origin, its angle comes with the centre of gravity; trail and kept run go
+    with it."""
+    base = {"x": "0.3*sin(2*t)", "y": "0.5*t", "angle": "t**2"}
+    scene = make_scene(2, boundary, ()).replace({"base": base, "rod.clamp_angle": 0.4})
+    model, system = rodgen.build(scene, "numpy"), rodgen.System(scene)
+    t, y = np.array([0.3, 0.5]), np.tile(scene.initial_state(), (2, 1))
+    chunk = Chunk(t, y, np.zeros((2, 1)), ("base",), system.p)
+    origin, found = rod_arrays(model, system, chunk)
+    arrays, places = dict(found), np.c_[0.3 * np.sin(2 * t), 0.5 * t]
+    assert origin == pytest.approx(places[1])
+    assert arrays["point"][3] == pytest.approx(0.4 + 0.25, rel=1e-6)  # single
+    moving = y[0, : 2 - (boundary == "cantilever")]
+    phi = np.array([[*[0.4 + one**2] * (2 - len(moving)), *moving] for one in t])
+    tails = places + np.stack((np.cos(phi), np.sin(phi)), axis=-1).sum(axis=1)  # links of 1 m
+    assert arrays["joints"][-2:] == pytest.approx(tails[1] - places[1], rel=1e-6)
+    np.testing.assert_allclose(trail_points(model, chunk)[:, :2], tails)
+    store = SampleStore()
+    store.add(chunk)
+    ghost = Ghost(store, Catalogue(system, model))
+    np.testing.assert_allclose(ghost.joints(0.4)[[0, -1]], [places.mean(0), tails.mean(0)])
 
 
 @pytest.mark.parametrize(

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from difflib import ndiff
 from pathlib import Path
 
@@ -42,7 +43,8 @@ def test_text_keeps_what_has_not_changed(path: Path) -> None:
     assert (old.startswith("- length ="), new.startswith("+ length = 7.25")) == (True, True)
     assert new.partition("#")[2] == old.partition("#")[2]
     form = structure_form(scene)
-    for terms in ((), ALL):
+    base = tuple({*form.terms} - {*ALL})  # with which the words in its table would go
+    for terms in (base, (*ALL, *base)):
         other = reshape(scene, StructureForm(form.links, form.boundary, form.inertia, terms), {})
         made = edited_text(text, scene, other)
         assert FOLDER.parse(made) == other
@@ -96,6 +98,26 @@ def test_another_number_of_links_is_the_same_rod() -> None:
     told = conversions(scene, 40)
     assert f"{key} {scene.value_of(key):.6g} to {4 * scene.value_of(key):.6g}" in told
     assert conversions(scene, scene.rod.links) == ""
+
+
+def test_what_moves_the_base_is_kept_and_can_be_changed() -> None:
+    """Its expressions and their numbers are fields; a term that is switched on stands still."""
+    table = {"links": 4, "length": 2.0, "bending_stiffness": 1.0, "mass": 1.0, "boundary": "pinned"}
+    still = Scene.from_dict({"name": "still", "rod": table})
+    base = {"x": "0.2*sin(3*t)", "y": 0.5}
+    scene = still.replace({"base": base})
+    found = {field.key: field for field in fields_of(scene)}
+    values = {key: found[key].value for key in found if key.startswith("base")}
+    assert values == {"base.x": None, "base.x.0": 0.2, "base.x.1": 3.0, "base.y": 0.5}
+    for key, to, text in (("base.x.1", 7.0, "0.2*sin(7*t)"), ("base.x", "t**2", "t**2")):
+        assert System(scene).at(found[key].changes(to)).scene.to_dict()["base"]["x"] == text
+    form = structure_form(scene)
+    assert form.terms == ("base",)
+    assert reshape(scene, replace(form, links=6), {}).to_dict()["base"] == base
+    assert reshape(scene, replace(form, terms=()), {}) == still
+    assert reshape(still, form, {}).to_dict()["base"] == {"x": 0.0}
+    with pytest.raises(InputError, match="nothing holds"):
+        reshape(scene, replace(form, boundary="free"), {})
 
 
 def test_critical_value_is_that_of_the_number_on_the_slider() -> None:

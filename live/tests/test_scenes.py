@@ -20,6 +20,7 @@ import rodgen
 from live.tests.conftest import SCENE, SCENES, varied
 from live.tests.runs import does
 from rodgen.errors import InputError
+from rodgen.loading.generated_module import call_module
 from rodgen.model.rod import BOUNDARIES
 from rodgen.model.terms import TERMS
 from rodgen.scene import Scene
@@ -189,10 +190,16 @@ def test_other_addresses_are_refused() -> None:
             Link.unpack(packed(json.dumps(page | other)))
 
 
-def test_joints_at_the_start_are_those_of_the_module() -> None:
-    scene = Scene.from_dict(ROD)
+@pytest.mark.parametrize(
+    "changes",
+    [{}, {"rod.boundary": "cantilever", "base": {"x": "2 + t", "angle": "0.5*cos(t)"}}],
+    ids=["free", "moved"],
+)
+def test_joints_at_the_start_are_those_of_the_module(changes: dict[str, Any]) -> None:
+    scene = Scene.from_dict(ROD).replace(changes)
     model = rodgen.build(scene, target="numpy")
-    found = model.joints(scene.initial_state(), model.parameters(**scene.parameters))
+    of = scene.initial_state(), model.parameters(**scene.parameters)
+    found = call_module(model, "joints", 0.0, *of)
     assert joints_at_start(scene) == pytest.approx(found, abs=1e-14)  # rounding of lengths of 2 m
 
 
@@ -202,7 +209,7 @@ def test_scenes_of_the_package_can_be_edited_packed_and_drawn(path: Path) -> Non
     its module; but for values along the rod. Rods can be held in every way; what an address or a
     text holds of them comes back. They are in their pictures whole, whatever holds them, and with
     an arrow for each force and weight."""
-    scene, by = Scene.from_toml(path), 0.05  # less than between two knots of any table there
+    scene, by = Scene.from_toml(path), 0.01  # less than between two knots of any table there
     fixed = {"mass"} if scene.rod.mass is None else {}  # it follows from the mass per length
     given = {name: v for name, v in scene.parameters.items() if isinstance(v, float)}
     reached = {name: v for name, v in given.items() if name not in fixed}

@@ -13,7 +13,7 @@ from live.tests.view import DIGITS
 from rodgen.arrays import Array
 from rodgen.integrate.stepper import Counts
 from rodgen.model.rod import BOUNDARIES
-from rodgen.model.terms import TERMS, THESIS_TERMS
+from rodgen.model.terms import THESIS_TERMS
 from rodgen.scene import Scene
 from rodgen_live.page.elements import LAYERS
 from rodgen_live.panel_rows import (

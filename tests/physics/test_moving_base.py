@@ -328,5 +328,8 @@ def test_numbers_of_a_base_go_into_p_where_nothing_else_follows_from_them() -> N
     assert more.parameter("base_y_1") == 0.06
     held = rodgen.System(_rod({"angle": "0.3 + 0.1*t"}, "clamped", initial={}))
     assert held.at({"base.angle.0": 0.5}).y0[0] == 0.5
+    later = held.with_settings(span=[1.0, 3.0])
+    np.testing.assert_array_equal(later.y0, rodgen.System(later.scene).y0)
+    assert later.y0[0] == 0.4
     jumps = rodgen.System(_rod({"x": "t if t < 1 else 1"}))
     assert refused(jumps.at, {"base.x.1": 2.0}).field == "base.x"

@@ -18,6 +18,7 @@ from rodgen.scene import Scene
 from rodgen.show import run_pictures
 from rodgen.show.analysis_pictures import equilibrium_shape, scene_at_start
 from rodgen.show.animation.motion import sample_motion
+from rodgen.show.branch_pictures import bifurcation_diagram
 from rodgen.show.event_marks import force_intervals
 from rodgen.show.marks import LONGEST_TURN, curved_arrow, draw_by_stability
 from rodgen.show.picture_files import save_figures
@@ -227,6 +228,20 @@ def test_what_holds_a_rod_is_drawn_where_it_moves(make_scene: Callable[..., Scen
     assert "base x 0.3*sin(2*t) m, y 0.2*cos(3*t) m, angle t rad" in " ".join(
         str(scene_table(scene)).split()
     )
+
+
+def test_equilibria_are_measured_from_the_clamp_that_was_moved(
+    make_scene: Callable[..., Scene],
+) -> None:
+    """Across its line at that time, from joint 0 on, as in the equilibrium by itself."""
+    base = {"x": "0.2*sin(3*t)", "angle": "t**2"}
+    scene = make_scene(2, "cantilever", ("tip_load",)).replace({"base": base})
+    scene = scene.replace({"loads.tip": {"y": 1.0}, "rod.clamp_angle": 0.4})
+    found = rodgen.continue_equilibria(scene, "loads.tip.y", (1.0, 1.5), t=0.5)
+    (curve, *_) = bifurcation_diagram([found], scene).axes[0].lines
+    joints = rodgen.static_equilibrium(scene, t=0.5).joints
+    across = (joints[-1] - joints[0]) @ [-np.sin(0.65), np.cos(0.65)]
+    assert curve.get_ydata()[0] == pytest.approx(across, abs=1e-9)  # of the solver's tolerance
 
 
 def test_the_error_of_energy_has_numbers_at_powers_of_ten_alone(swinging: Solution) -> None:

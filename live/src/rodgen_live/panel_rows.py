@@ -195,7 +195,7 @@ def _rod(now: RunStatus) -> Iterator[TextRow]:
 
 def _loads(now: RunStatus) -> Iterator[TextRow]:
     scene = now.scene
-    for name in scene.loads.parameters:
+    for name in (*scene.loads.parameters, *scene.structure.base_parameters):
         one = PARAMETERS[name]
         if not one.is_array:
             yield _parameter(now, name, ", at present" if name in scene.expressions else "")

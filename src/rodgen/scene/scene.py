@@ -35,7 +35,8 @@ PARTS = (
     "loads_along_rod link_values_at anchors check_numbers_in_use time_laws distribution "
     "distribution_at expression expressions feedback_loads key_of n_fixed_links "
     "boundary_condition with_checked_settings with_method key_path state_rates "
-    "has_no_tangent_stiffness spring_law time_dependent_loads unused_names with_settings"
+    "has_no_tangent_stiffness spring_law time_dependent_loads unused_names with_settings "
+    "clamp_angle_at given_parameters given_value"
 )
 
 
@@ -45,8 +46,8 @@ class Scene(SceneTables, Plottable):
     name: of the scene and of the folder of its results; numbers: those of [parameters], by name, in
     the units of the expressions that name them; tables: those of many rows, by the names by which
     expressions call them; rod, loads, initial, integrate: these tables;
-    bodies, supports, events: lists of tables; foundation: its table, or None; states: tables of the
-    states that are added, by name.
+    bodies, supports, events: lists of tables; foundation, base: their tables, or None; states: tables
+    of the states that are added, by name.
 
     Values are in SI units, as in a file. A scene is checked when it is made, and cannot be changed
     afterwards. InputError names the field that cannot be used.
@@ -65,7 +66,7 @@ class Scene(SceneTables, Plottable):
 
     def __repr__(self) -> str:
         rod, (start, end) = self.rod, self.integrate.span
-        terms = *self.loads.terms, *self.anchors.terms
+        terms = self.structure.loads
         acting = ", ".join(TERMS[name].words for name in terms) or "no loads"
         what = f"{rod.boundary} rod of {rod.links} links, {acting}"
         return f"<Scene {self.name}: {what}; t = {start:g} to {end:g} s>"

@@ -229,7 +229,8 @@ class System:
             return self._copy(LAWS, _source=base, _base=base, settings=settings)
         source = self._source.with_checked_settings(settings)
         moved = settings.span[0] != self.settings.span[0]
-        if moved and (source.loads_along_rod or source.distribution.changing_masses):
+        at_start = source.loads_along_rod or source.distribution.changing_masses or source.base
+        if moved and at_start:
             return self._from_source(
                 with_values(source, self._changes) if self._changes else source
             )

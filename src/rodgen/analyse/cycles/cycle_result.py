@@ -39,6 +39,7 @@ STABLE = 1e-7  # by which a multiplier may exceed 1: beyond it, a cycle is unsta
 UNSURE, UNSURE_DOUBLE = 1e-6, 1e-4
 ROUGH = 1e-8  # likewise, of the error of collocation
 SHOWN = 10  # multipliers in a table
+STILL = 1e-12  # of the length, by which joint 0 moves by rounding alone
 PICARD = "newton_picard"  # which computes the leading multipliers alone
 
 
@@ -172,8 +173,8 @@ class Cycle(Result, Plottable):
 
     @property
     def _drift(self) -> str | None:
-        x, y = self.drift
-        return f"({x:.8g}, {y:.8g}) m" if self.drift.any() else None
+        (x, y), least = self.drift, STILL * self.system.parameter("length")
+        return f"({x:.8g}, {y:.8g}) m" if np.hypot(x, y) > least else None
 
     @property
     def _multipliers(self) -> dict[str, str]:
