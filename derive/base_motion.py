@@ -47,11 +47,6 @@ class BaseMotion:
         given = keys.split("+")
         return cls(**{one.key: _course(one.name) for one in BASE_ROWS if one.key in given})
 
-    @property
-    def moves(self) -> bool:
-        """Whether anything of it is given."""
-        return any(course != STILL for course in (self.x, self.y, self.angle))
-
     def of_start(self, order: int) -> Vector:
         """Place of joint 0 or, by the order, its velocity or its acceleration."""
         return self.x[order], self.y[order]

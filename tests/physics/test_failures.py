@@ -103,7 +103,7 @@ def test_interrupt_at_any_place_leaves_whole_samples(
     scene = make_scene(3, "free", ("follower",), span=[0.0, 2.0], output_every=0.005)
     whole = rodgen.simulate(scene)
     model = rodgen.build(scene)
-    calls = {"left": 700 if where == "rhs" else 2 if where == "power" else 60}
+    calls = {"left": 700 if where == "rhs" else 1 if where == "power" else 60}
 
     def failing(right: Callable[..., object]) -> Callable[..., object]:
         def function(*arguments: object) -> object:

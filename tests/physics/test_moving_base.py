@@ -208,6 +208,40 @@ def test_a_blow_turns_a_link_about_its_centre_of_percussion(target: str) -> None
     assert _largest(run.values("energy_balance")) <= 1e-10 * _largest(run.work["base"])
 
 
+@pytest.mark.parametrize("target", ["numpy", "c"])
+def test_an_event_that_a_blow_passes_happens_then(target: str) -> None:
+    """The rate jumps from 0 to -1.5 * 0.7 / 1.5."""
+    event = {"quantity": "omega_0", "value": -0.5, "action": "stop"}
+    scene = _rod(
+        {"x": "max(0, 0.7*(t - 0.5))"},
+        rod={"links": 1, "bending_stiffness": 0.0},
+        initial={"phi": -np.pi / 2},
+        events=[event],
+    )
+    run = rodgen.simulate(scene, target=target, progress=False)
+    (met,) = run.events
+    assert (met.t, run.t[-1]) == (0.5, 0.5)
+    np.testing.assert_allclose(run.omega[-1, 0], -0.7, atol=1e-11)
+
+
+def test_events_know_where_the_base_is() -> None:
+    base = {"x": "0.2*t", "angle": "0.4*sin(t)"}
+    events = [{"quantity": "tip_x", "value": 1.6}]
+    scene = _rod(base, "cantilever", events=events, initial={}, integrate=LOOSE)
+    run = rodgen.simulate(scene, target="numpy", progress=False)
+    assert run.events
+    for one in run.events:
+        there = run.model.joints(one.y, run.system.p, one.t)[-1, 0]
+        np.testing.assert_allclose(there, 1.6, atol=1e-12)
+
+
+def test_gravity_is_not_scaled_where_the_base_accelerates() -> None:
+    lift = _rod({"y": "1.5*t**2"}, "clamped", rod={"clamp_angle": np.pi / 2}, initial={})
+    assert refused(rodgen.critical_load, lift, load="gravity").field == "base"
+    even = lift.replace({"base.y": "1.5*t"})
+    assert rodgen.critical_load(even, load="gravity").value > 0
+
+
 @pytest.mark.parametrize(("boundary", "key"), [("clamped", "x"), ("cantilever", "angle")])
 def test_a_blow_is_the_limit_of_a_short_push(boundary: str, key: str) -> None:
     """A push over 1e-5 s moves the rod by less than its share of the speed in that time."""
@@ -260,7 +294,7 @@ def test_modes_at_a_time_count_place_and_acceleration(boundary: str) -> None:
 def test_a_base_at_one_time_is_that_of_the_equations_where_it_has_no_speed(boundary: str) -> None:
     base = {"x": "0.7*(t - 1)**2", "y": "0.2 - 0.4*(t - 1)**2"}
     if boundary != "pinned":
-        base["angle"] = "0.3 + 1.1*(t - 1)**2"
+        base["angle"] = "0.3 + 1.1*(t - 1)**3"
     system = rodgen.System(_rod(base, boundary, foundation={"stiffness": 3.0}))
     frozen = system.steady(1.0)
     y = np.zeros(len(system.y0))
@@ -278,6 +312,8 @@ def test_a_base_at_one_time_is_that_of_the_equations_where_it_has_no_speed(bound
         ({"x": "1 if t > 1 else 0"}, "pinned", "base.x"),
         ({"y": "interp(t, [0, 1, 2], [0, 1, 0])"}, "pinned", "base.y"),
         ({"x": "1/(t - 1)"}, "pinned", "base.x"),
+        ({"x": "sqrt(t)"}, "pinned", "base.x"),
+        ({"x": "t**1.5"}, "pinned", "base.x"),
         ({"x": "phi(1)"}, "pinned", "base.x"),
         ({"angle": "t"}, "pinned", "base.angle"),
         ({"x": "t"}, "free", "base"),
@@ -295,6 +331,7 @@ def test_motions_that_cannot_be_are_refused(
 def test_tangents_of_a_blow_are_refused() -> None:
     scene = _rod({"x": "0.1*abs(sin(4*t))"})
     assert refused(rodgen.floquet, scene).field == "base.x"
+    assert refused(rodgen.find_cycle, scene).field == "base.x"
     assert refused(rodgen.lyapunov_exponents, scene).field == "base.x"
 
 

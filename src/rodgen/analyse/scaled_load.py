@@ -4,6 +4,7 @@ units; and a rod as a function of one parameter, a number of its scene or the sh
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -15,6 +16,7 @@ from rodgen.model.term import COUPLE, WEIGHT, Term
 from rodgen.model.terms import TERMS
 from rodgen.scene import Scene
 from rodgen.system import ParameterLine, ParameterRange, System
+from rodgen.system.freezing import base_acceleration
 
 FOLLOWER, FOLLOWERS, ALL = "follower", "followers", "all"
 # Several loads that are scaled by one factor.
@@ -97,6 +99,7 @@ class ScaledLoad:
         terms = [row for row in every if row.name == term.name] if term else every
         if name == FOLLOWERS:
             terms = [row for row in every if row.follows]
+        _check_base_is_even(rod, terms)
         laws = rod.system.expressions
         here: dict[str, tuple[Any, float]] = {}
         for row in terms:
@@ -124,6 +127,16 @@ class ScaledLoad:
             parts = {key: value / size for key, value in parts.items()}
             return cls(name, parts, unit, unit, size)
         return cls(name, parts, force / float(sum(forces)), 1.0, 1.0)
+
+
+def _check_base_is_even(rod: SteadyRod, terms: Sequence[Term]) -> None:
+    """Raise InputError for a gravity that is to be scaled, where the acceleration of the base is
+    part of it: that of a frame does not grow with gravity."""
+    source = rod.system.source
+    if any(row.kind == WEIGHT for row in terms) and any(base_acceleration(source, rod.t)):
+        assert source.base is not None
+        allowed = "without acceleration then, where gravity is scaled: that of a frame is not"
+        raise InputError("base", source.base.model_dump(exclude_none=True), allowed)
 
 
 def _force_per_size(term: Term, scene: Scene) -> float:

@@ -333,7 +333,7 @@ class StateResult(HasInstant, Result):
         if self.t == scene.integrate.span[0]:
             words += ", the start of the span"
         if scene.structure.has_moving_base:
-            words += "; of the base its place and acceleration then, not its speed"
+            words += "; of the base its place and the acceleration of joint 0 then, not its speed"
         if not quiet:
             return words
         verb = "is" if len(quiet) == 1 else "are"

@@ -23,6 +23,7 @@ from rodgen.integrate.quantity_formulas import MotionSlice
 from rodgen.integrate.stepper import ChatterError, Interpolant
 from rodgen.loading.generated_module import structure_of
 from rodgen.model.quantities import find_quantity
+from rodgen.scene.expression import Expression
 from rodgen.scene.integration import EventTable
 from rodgen.scene.time_laws import BENDS, Switch
 
@@ -89,6 +90,11 @@ class EventDetector:
         """Whether the module has sensors or loads that follow the motion."""
         return structure_of(self.model).has_feedback
 
+    @cached_property
+    def _time_laws(self) -> dict[str, Expression]:
+        """Loads of the rod that change with time."""
+        return structure_of(self.model).time_dependent_loads(self.p)
+
     def is_switch(self, number: int) -> bool:
         """Whether a number is that of a switch of a law, not of an event of the scene."""
         return number >= self._first
@@ -103,6 +109,18 @@ class EventDetector:
         located = [(self.locate(number, *span, at), number) for number, span in found]
         there = [pair for pair in located if not math.isnan(pair[0])]
         return sorted(there, key=lambda pair: (pair[0], self.events[pair[1]].action == "stop"))
+
+    def events_at_jump(self, t: float, before: Array, after: Array) -> list[int]:
+        """Numbers of the events whose value a jump of the state passes at a time [s], from one
+        state (S,) to another; those that end the run come last."""
+        if not self._first:
+            return []
+        sides = self.values(np.stack((before, after)), np.array([t, t])) - self._value
+        up, down = self._from
+        low, high = sides
+        passed = ((low < 0) & (high >= 0) & up) | ((low > 0) & (high <= 0) & down)
+        found = np.flatnonzero(passed[: self._first]).tolist()
+        return sorted(found, key=lambda number: self.events[number].action == "stop")
 
     def record_event(self, number: int, t: float, y: Array) -> bool:
         """Keep an event at time t [s] in state y (S,); True if it ends the run."""
@@ -123,7 +141,8 @@ class EventDetector:
         """Quantities (..., E) of states (..., S), in the order of the events, at times (...) where
         laws of the motion are among them; numbers: of those that are computed, by default all."""
         values = np.empty((*y.shape[:-1], len(self.events)))
-        motion, switches = MotionSlice(self.model, self.p, y, t), dict[int, Array]()
+        motion = MotionSlice(self.model, self.p, y, t, timed=self._time_laws)
+        switches = dict[int, Array]()
         if self._switches:
             motion.has_feedback = self._has_feedback
         with np.errstate(all="ignore"):  # of a state that is not finite

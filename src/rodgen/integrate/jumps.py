@@ -13,7 +13,7 @@ from __future__ import annotations
 
 import math
 from types import ModuleType
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
@@ -22,7 +22,6 @@ from rodgen.integrate.quantity_formulas import loads_at_work
 from rodgen.loading.generated_module import call_module, structure_of
 from rodgen.model.rod import ROD
 from rodgen.model.terms import BASE_ANGLE, EMPTYING, MOVING_BASE
-from rodgen.scene.grammar import TableData
 
 NONE = 1e-9  # share of a velocity of the base, below which its change is none
 
@@ -49,6 +48,9 @@ class Jumps:
         self._model, self._p, self._structure = model, p, structure_of(model)
         self._works = loads_at_work(model)
         self._masses, self._blows = has_mass_jumps(model), may_have_blows(model)
+        timed = self._structure.time_dependent_loads(p) if self._blows else {}
+        base = self._structure.base_parameters
+        self._moved = {name: e for name, e in timed.items() if name in base}
         self._high, self._end = math.nan, math.nan
 
     def begin(self, t: float, y: Array, end: float, low: float, high: float) -> Jump | None:
@@ -112,17 +114,10 @@ class Jumps:
         """Speeds of the ends of a link [m/s] that the velocities and the rate of the base give."""
         length = self._p[self._structure.indices[ROD[1].name]]
         found = []
-        for name, e in self._structure.open_expressions.items():
-            if name in self._structure.base_parameters:
-                numbers = {of: self._number(of) for of in (*e.names, *e.tables)}
-                speed = float(e.with_values(numbers).derivative(t, {}))
-                found.append(speed * length if name == BASE_ANGLE else speed)
+        for name, e in self._moved.items():
+            speed = float(e.derivative(t, {}))
+            found.append(speed * length if name == BASE_ANGLE else speed)
         return np.array(found)
-
-    def _number(self, name: str) -> Any:
-        place = self._structure.slices[name]
-        numbers = self._p[place]
-        return float(numbers[0]) if place.stop - place.start == 1 else TableData.of(numbers)
 
     def _momenta_at_rest(self, t: float, y: Array, speed: float) -> Array:
         """Momenta (n_moving,) that belong to the angles of links whose rates are zero, of a base

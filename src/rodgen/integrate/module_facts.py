@@ -21,8 +21,6 @@ from rodgen.loading.generated_module import structure_of
 from rodgen.memory import check_memory
 from rodgen.model.term import ANY, KNOTS, NOT_NEGATIVE, POSITIVE
 from rodgen.scene.distribution import Distribution
-from rodgen.scene.expression import Expression
-from rodgen.scene.grammar import TableData
 from rodgen.scene.integration import IntegrationTable
 from rodgen.scene.tables import RodTable
 from rodgen.scene.time_laws import TimeLaws
@@ -107,19 +105,8 @@ class ModuleFacts:
 
     def time_laws(self, span: Sequence[float], p: Array) -> TimeLaws:
         """Laws in time of one rod within a span [s]. Raises InputError."""
-        values, springs = self._values(p), self._springs(p)
+        values, springs = self.structure.expression_values(p), self._springs(p)
         return TimeLaws.from_structure(self.structure, values, span[0], span[1], springs)
-
-    def _values(self, p: Array) -> dict[str, Any]:
-        """Numbers and tables in its expressions for one rod, by name."""
-        of = self.structure
-        found: dict[str, Any] = {name: float(p[of.indices[name]]) for name in of.numbers}
-        return found | {name: _table(p[of.slices[name]].tobytes()) for name, _ in of.tables}
-
-    def time_dependent_loads(self, p: Array) -> dict[str, Expression]:
-        """Loads of one rod that change with time alone, by the names of their parameters."""
-        values, loads = self._values(p), self.structure.open_expressions.items()
-        return {name: e.with_values(values) for name, e in loads if not e.signals}
 
     def _springs(self, p: Array) -> tuple[tuple[float, ...], tuple[float, ...]]:
         """Stiffness of the springs, of a uniform rod by EI, and their rest angles; none where their
@@ -178,7 +165,9 @@ class ModuleFacts:
     def _stretches_of(self, settings: IntegrationTable, p: Array) -> Stretches:
         """Find the stretches of one rod. Raises InputError."""
         start, end = settings.span
-        laws = TimeLaws.from_structure(self.structure, self._values(p), start, end)
+        laws = TimeLaws.from_structure(
+            self.structure, self.structure.expression_values(p), start, end
+        )
         found = Stretches.of(laws, settings.has_fixed_step)
         if not found.ends:
             _, load = laws.first_pole() or (start, None)
@@ -235,12 +224,6 @@ def _check_column(name: str, value: Any, count: int, rule: str) -> Array:
         what = "" if rule == ANY else f", {rule}"
         raise InputError(name, float(column[wrong][0]), f"finite{what}")
     return column
-
-
-@lru_cache(maxsize=KEPT)
-def _table(numbers: bytes) -> TableData:
-    """Table from the bytes of its numbers in p, which many rods have in common."""
-    return TableData.of(np.frombuffer(numbers))
 
 
 @lru_cache(maxsize=16)

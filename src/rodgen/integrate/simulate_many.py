@@ -329,7 +329,7 @@ def _run_rod(
     motion = MotionSlice(
         *(facts.model, p, y, t, work),
         start_energy=float(at_start.values("total_energy")[0]),
-        timed=facts.time_dependent_loads(p),
+        timed=facts.structure.time_dependent_loads(p),
     )
     found = [one.reduce(t, facts.numbers.values(motion, one.number)) for one in reductions]
     return found, float(np.abs(motion.values("energy_balance")).max(initial=0.0))

@@ -139,10 +139,26 @@ class Stretches:
             if end <= machine.t:
                 continue
             if machine.end != end:  # else it was restored in the middle of this stretch
+                before = machine.y.copy()
                 machine.begin(end, *evaluation_bounds(machine.t, end), self.half_period)
+                _record_jump(before, machine, recorder, watch)
             _step_to(end, machine, recorder, watch, budget, look)
         if self.pole:  # a step across it would be finite, and wrong
             raise StepError(UNBOUNDED)
+
+
+def _record_jump(
+    before: Array, machine: Integrator, recorder: Recorder, watch: EventDetector
+) -> None:
+    """Record the events whose value the state passed as it jumped at the start of a stretch, from
+    what it was before. Raises EventStop where one of them ends the run."""
+    t, y = machine.t, machine.y
+    if np.array_equal(before, y, equal_nan=True):
+        return
+    for number in watch.events_at_jump(t, before, y):
+        if watch.record_event(number, t, y):
+            recorder.end_at(t, np.concatenate((y, machine.works(recorder))))
+            raise EventStop(number, t)
 
 
 def _drop_close(times: list[float], kept: set[float], least: float) -> list[float]:

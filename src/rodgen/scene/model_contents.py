@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 from rodgen.model.rod import INERTIAS
 from rodgen.model.term import BASE, DAMPER, Term
-from rodgen.model.terms import TERMS
+from rodgen.model.terms import PARAMETERS, TERMS
 from rodgen.scene.grammar import abbreviate
 from rodgen.scene.law import Along
 from rodgen.scene.plain_tables import get_at
@@ -141,6 +141,9 @@ def _term_part(scene: Scene, term: Term) -> ModelPart:
         for one in term.parameters
         if one.name in laws
     ]
+    if term.kind == BASE and scene.base is not None:
+        numbers = scene.base.values.items()
+        functions += [f"{PARAMETERS[of].key} is {x!r}" for of, x in numbers if of not in laws]
     return ModelPart(name, True, "; ".join((*_describe_place(scene, term), *functions)) or table)
 
 

@@ -46,8 +46,8 @@ class Scene(SceneTables, Plottable):
     name: of the scene and of the folder of its results; numbers: those of [parameters], by name, in
     the units of the expressions that name them; tables: those of many rows, by the names by which
     expressions call them; rod, loads, initial, integrate: these tables;
-    bodies, supports, events: lists of tables; foundation, base: their tables, or None; states: tables
-    of the states that are added, by name.
+    bodies, supports, events: lists of tables; foundation, base: their tables, or None;
+    states: tables of the states that are added, by name.
 
     Values are in SI units, as in a file. A scene is checked when it is made, and cannot be changed
     afterwards. InputError names the field that cannot be used.

@@ -57,7 +57,8 @@ class SceneTables(SceneLaws):
         for name in ("position", "velocity"):
             value = getattr(self.initial, name)
             if value is not None and not self.boundary_condition.translates:
-                allowed = f"absent: joint 0 of boundary {self.rod.boundary} is fixed"
+                held = "is fixed" if self.base is None else "is where [base] has it"
+                allowed = f"absent: joint 0 of boundary {self.rod.boundary} {held}"
                 raise InputError(f"initial.{name}", value, allowed)
         if self.initial.angle is not None and self.boundary_condition.is_clamped:
             allowed = "absent: the clamp has one, rod.clamp_angle"

@@ -5,8 +5,12 @@ from __future__ import annotations
 import hashlib
 import json
 from dataclasses import dataclass, field, fields
-from functools import cached_property
+from functools import cached_property, lru_cache
 from itertools import starmap
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
 
 from rodgen.errors import InputError
 from rodgen.model.rod import (
@@ -30,7 +34,7 @@ from rodgen.model.terms import (
 )
 from rodgen.scene import spring_law
 from rodgen.scene.expression import Expression, open_expression
-from rodgen.scene.grammar import Sensor
+from rodgen.scene.grammar import Sensor, TableData
 from rodgen.scene.literals import check_name, mass_name, number_parameter, table_parameter
 from rodgen.scene.plain_tables import to_plain
 from rodgen.scene.term_texts import check_choice, check_links, check_term, sort_terms
@@ -179,6 +183,23 @@ class Structure:
         """Expressions with names in place of their numbers, by parameter."""
         texts = ((name, text) for name, text in self.expressions if not PARAMETERS[name].is_array)
         return {name: self._open_expression(text) for name, text in texts}
+
+    def expression_values(self, p: NDArray[np.float64]) -> dict[str, Any]:
+        """Numbers and tables in the expressions of one rod, by name.
+
+        p: its parameters, (width,) in SI units.
+        """
+        found: dict[str, Any] = {name: float(p[self.indices[name]]) for name in self.numbers}
+        return found | {name: _table(p[self.slices[name]].tobytes()) for name, _ in self.tables}
+
+    def time_dependent_loads(self, p: NDArray[np.float64]) -> dict[str, Expression]:
+        """Loads of one rod, and coordinates of its base, that change with time alone, by the names
+        of their parameters.
+
+        p: its parameters, (width,) in SI units.
+        """
+        values, loads = self.expression_values(p), self.open_expressions.items()
+        return {name: e.with_values(values) for name, e in loads if not e.signals}
 
     @cached_property
     def open_along(self) -> dict[str, Expression]:
@@ -332,3 +353,9 @@ class Structure:
         later = ("states", "spring", "masses", "tables")
         content += [{name: getattr(self, name)} for name in later if getattr(self, name)]
         return hashlib.sha256(json.dumps(content).encode()).hexdigest()[:16]
+
+
+@lru_cache(maxsize=256)
+def _table(numbers: bytes) -> TableData:
+    """Table from the bytes of its numbers in p, which many rods have in common."""
+    return TableData.of(np.frombuffer(numbers))

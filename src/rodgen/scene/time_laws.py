@@ -254,17 +254,28 @@ def _passing_times(e: Expression, links: int, start: float, end: float) -> tuple
 
 @lru_cache(maxsize=64)
 def check_motion(e: Expression, start: float, end: float) -> None:
-    """Raise InputError for a motion of the base that has no velocity within a span [s]: one that
-    jumps, or that is not finite, or a table of straight lines, whose corners are blows."""
+    """Raise InputError for a motion of the base that cannot be within a span [s]: one that jumps,
+    one whose place, velocity or acceleration is not finite, or a table of straight lines, whose
+    corners are blows."""
     if e.has_linear_table:
         allowed = 'without tables of straight lines: interp(t, ..., "cubic") has an acceleration'
         raise InputError(e.field, e.text, allowed)
-    largest = float(np.nanmax(np.abs(e(np.linspace(start, end, MANY)))))
-    for at in (start, *e.breaks(start, end), *e.poles(start, end), end):
+    times = np.linspace(start, end, MANY)
+    ends = (start, *e.breaks(start, end), *e.poles(start, end), end)
+    _check_derivatives(e, np.unique([*times, *ends]))
+    largest = float(np.abs(e(times)).max())
+    for at in ends:
         near = 16 * np.spacing(max(abs(at), abs(end - start)))
         sides = e(np.array([max(start, at - near), at, min(end, at + near)]))
-        if not np.isfinite(sides).all():
-            raise InputError(e.field, e.text, f"finite within the span (not at t = {at:.9g})")
         if np.ptp(sides) > SAME * max(largest, np.abs(sides).max()):
             allowed = f"without jumps: {shorten(e.text)} jumps at t = {at:.9g}"
             raise InputError(e.field, e.text, allowed)
+
+
+def _check_derivatives(e: Expression, times: NDArray[np.float64]) -> None:
+    """Raise InputError for a motion of which a derivative is not finite at one of some times."""
+    for order, what in enumerate(("value", "velocity", "acceleration")):
+        found = np.broadcast_to(e.derivative(times, {}, order), times.shape)
+        wrong = times[~np.isfinite(found)]
+        if len(wrong):
+            raise InputError(e.field, e.text, f"of a finite {what} (not at t = {wrong[0]:.9g})")

@@ -187,7 +187,7 @@ class CrossingSection(RunMeasure):
         for run in np.flatnonzero(crossed.counts):
             met = slice(min(int(crossed.counts[run]), self.max_points))
             states, t = crossed.values[run, met], crossed.t[run, met]
-            timed = facts.time_dependent_loads(p[run])
+            timed = facts.structure.time_dependent_loads(p[run])
             there = MotionSlice(facts.model, p[run], states, t, timed=timed)
             made[run, met] = facts.numbers.values(there, self.number)
         return {self.text: made, f"{self.text}.t": crossed.t}

@@ -61,7 +61,7 @@ def _base_at(scene: Scene, t: float) -> dict[str, Any]:
     }
     if (through := scene.anchors.through) is not None:
         changes["foundation.through"] = [*map(float, through)]
-    acceleration = _base_acceleration(scene, t)
+    acceleration = base_acceleration(scene, t)
     if any(acceleration):
         falling = _free_fall(scene, t)
         changes["loads.gravity"] = {
@@ -70,21 +70,18 @@ def _base_at(scene: Scene, t: float) -> dict[str, Any]:
     return changes
 
 
-def _base_acceleration(scene: Scene, t: float) -> tuple[float, float]:
-    """Acceleration at a time [s] of the joint from which the links of a rod go on, without what
-    comes from the speed of its base [m/s^2]."""
-    assert scene.base is not None
-    growth, rod = {"x": 0.0, "y": 0.0, "angle": 0.0}, scene.rod
-    for key in scene.base.keys:
+def base_acceleration(scene: Scene, t: float) -> tuple[float, float]:
+    """Acceleration of joint 0 at a time [m/s^2]; t: the time [s]."""
+    if scene.base is None:
+        return 0.0, 0.0
+    growth = {"x": 0.0, "y": 0.0}
+    for key in growth.keys() & {*scene.base.keys}:
         e = scene.expression(f"{MOVING_BASE}_{key}")
         growth[key] = 0.0 if e is None else float(e.derivative(t, {}, 2))
         if not np.isfinite(growth[key]):
             allowed = f"of a finite acceleration at t = {t:g} s"
             raise InputError(f"base.{key}", getattr(scene.base, key), allowed)
-    # Of a held link the end moves across it as it turns.
-    arm = growth["angle"] * scene.boundary_condition.first * rod.length / rod.links
-    angle = scene.clamp_angle_at(t)
-    return growth["x"] - arm * np.sin(angle), growth["y"] + arm * np.cos(angle)
+    return growth["x"], growth["y"]
 
 
 def _free_fall(scene: Scene, t: float) -> tuple[float, float]:

@@ -15,7 +15,7 @@ from pydantic import TypeAdapter, ValidationError
 from rodgen.arrays import Array
 from rodgen.errors import InputError
 from rodgen.model.rod import MASS_WAYS
-from rodgen.model.terms import MOVING_BASE, PARAMETERS
+from rodgen.model.terms import BASE_ANGLE, MOVING_BASE, PARAMETERS
 from rodgen.scene import Scene
 from rodgen.scene.expression import Expression, open_expression
 from rodgen.scene.keys import NUMBERS, expression_texts, is_index
@@ -184,7 +184,8 @@ class ParameterMap:
     def _base_slot(self, keys: tuple[str, ...]) -> ParameterSlot | None:
         """Find the slot of a coordinate of the base that is a number."""
         name = f"{MOVING_BASE}_{keys[1]}"
-        if not self._moves_alone(()) or self._source.base != self._scene.base:
+        turns = name == BASE_ANGLE
+        if turns or not self._moves_alone(()) or self._source.base != self._scene.base:
             return None
         at = np.array([self._scene.structure.indices[name]], dtype=np.intp)
         return self._make_slot(keys, at)
@@ -192,8 +193,9 @@ class ParameterMap:
     def _moves_alone(self, laws: Iterable[Expression]) -> bool:
         """Whether a number of some laws of the base changes nothing but these: no state at the
         start, nothing that stays on the ground, and no jump of a place."""
-        scene = self._scene
-        at_start = scene.supports or scene.foundation or scene.boundary_condition.is_clamped
+        scene, turned = self._scene, f"{MOVING_BASE}.{PARAMETERS[BASE_ANGLE].key}"
+        turns = any(e.field == turned for e in laws)
+        at_start = scene.supports or scene.foundation or turns
         return not at_start and not any(e.jumps() for e in laws)
 
     def _follows_mass(self, name: str) -> bool:

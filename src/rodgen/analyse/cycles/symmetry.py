@@ -142,7 +142,8 @@ def load_period(system: System, model: ModuleType) -> float:
     no longer change there.
 
     It follows from the arguments of sin, cos and tan, and is checked with the rates themselves.
-    Raises InputError for masses that change, AnalysisError for loads that do neither.
+    Raises InputError for masses that change and a base whose velocity jumps, AnalysisError for
+    loads that do neither.
     """
     scene, p = system.scene, system.p
     changing = scene.distribution.changing_masses
@@ -151,6 +152,7 @@ def load_period(system: System, model: ModuleType) -> float:
         raise InputError(
             field, changing[0][-1].text, "a number: no motion repeats while it changes"
         )
+    scene.time_laws.check_base_is_smooth()
     start, end = scene.integrate.span
     random = np.random.default_rng(2)
     times = end - TAIL * (end - start) * random.random(TIMES)

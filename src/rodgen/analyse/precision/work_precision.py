@@ -39,6 +39,7 @@ from rodgen.analyse.precision.rows import (
 from rodgen.arrays import Array
 from rodgen.display import Plottable
 from rodgen.errors import AnalysisError
+from rodgen.integrate.jumps import may_have_blows
 from rodgen.integrate.stability import LIMITS, dominant, step_limit
 from rodgen.model.methods import ADAPTIVE, FIXED_STEP
 from rodgen.progress import format_duration
@@ -364,6 +365,8 @@ def _sweep_scipy(
 ) -> list[Measurement]:
     nothing: Measurement = {"who": "SciPy", "method": name, "target": ""}
     try:
+        if may_have_blows(job.model):
+            raise NotModelledError("a base whose velocity jumps")
         made = getattr(method_families, name)(job, False)
     except NotModelledError as error:
         return [empty_row(known | nothing) | {"failed": str(error)}]
