@@ -209,6 +209,32 @@ def test_gravity_in_time_does_work_and_another_has_a_potential(
     assert bool(call_module(at.module, "energy", at.t, at.y, at.p)[2]) == (not timed)
 
 
+# Laws of a base: its place and its turn, smooth in time, and what stands on it.
+LED = (
+    ("base_x", "a*cos(w*t)"),
+    ("base_y", "b*t + a*exp(-t)*sin(w*t)"),
+    ("base_angle", "b*sin(w*t)"),
+)
+CARRIED = ("material_damping", "viscous_drag", "foundation", "follower@0+1/3")
+
+
+@pytest.mark.parametrize("target", [("numpy", "chain"), ("c", "chain")], ids="-".join)
+@pytest.mark.parametrize(
+    ("boundary", "inertia", "moves"),
+    [("pinned", "lumped", 2), ("clamped", "uniform", 3), ("cantilever", "uniform", 3)],
+)
+def test_module_on_a_moving_base_equals_fifty_digit_arithmetic(
+    built: Built, point: type, boundary: str, inertia: str, moves: int, target: tuple[str, str]
+) -> None:
+    """And its Jacobian: none of these terms has a kink, so that of 50 digits is exact."""
+    base = "base@" + "+".join(name.removeprefix("base_") for name, _ in LED[:moves])
+    structure = Structure(3, boundary, inertia, ("gravity", *CARRIED, base), LED[:moves])
+    at = point(built(structure, *target))
+    assert _exact(at.module)
+    exact, found = at.exact_jacobian(), at.module.jac(at.t, at.y, at.p)
+    np.testing.assert_allclose(found, exact, rtol=0, atol=1e-12 * np.abs(exact).max())
+
+
 @pytest.mark.slow
 @pytest.mark.compiler
 def test_work_of_a_force_on_the_first_link_of_a_free_rod(make_scene: Callable[..., Scene]) -> None:
