@@ -188,6 +188,17 @@ def test_a_rod_stands_on_its_head_from_hills_amplitude_on() -> None:
     assert abs(brentq(excess_of_run, 0.0361, 0.0363, xtol=1e-9) - least) < 1e-4 * least
 
 
+def test_the_motion_that_leans_beside_the_upright_is_told_by_its_amplitude() -> None:
+    """It trembles by (3/2) (a/L) cos(phi) of the mean phi, to first order in a/L (Kapitza)."""
+    a = 0.037
+    leaning = rodgen.floquet(_on_its_head(a, initial={"phi": np.pi / 2 + 0.3}))
+    mean = leaning.y[0] - leaning.amplitude  # at the highest point of the pivot it leans most
+    assert abs(leaning.amplitude / (-1.5 * a * np.cos(mean)) - 1) < a
+    assert not leaning.stable
+    upright = rodgen.floquet(_on_its_head(a, initial={"phi": np.pi / 2}))
+    assert (upright.amplitude, upright.stable) == (0.0, True)
+
+
 # Blows -----------------------------------------------------------------------------------------
 
 
@@ -233,6 +244,41 @@ def test_events_know_where_the_base_is() -> None:
     for one in run.events:
         there = run.model.joints(one.y, run.system.p, one.t)[-1, 0]
         np.testing.assert_allclose(there, 1.6, atol=1e-12)
+
+
+def _hit(at: float, **tables: Any) -> Scene:
+    """A link along x, whose pivot is hit upwards at a time."""
+    rod = {"links": 1, "bending_stiffness": 0.0} | tables.pop("rod", {})
+    span = LOOSE | {"span": [0.0, 0.6]}
+    base = {"y": f"max(0, 0.7*(t - {at!r}))"}
+    return _rod(base, rod=rod, initial={"phi": 0.0}, loads={}, integrate=span, **tables)
+
+
+TANK = [{"name": "tank", "at": 1.0, "mass": "4.0 if t < 0.5 else 1.0"}]
+
+
+@pytest.mark.parametrize(
+    "masses",
+    [
+        {"bodies": TANK},
+        {"rod": {"mass": None, "mass_per_length": "2 if t < 0.5 else 1"}},
+        # Half of the link is lost within the blow, half of it not.
+        {"rod": {"mass": None, "mass_per_length": "(2 if s < 0.5 else 1) if t < 0.5 else 1"}},
+    ],
+)
+def test_a_blow_as_a_mass_jumps_is_refused(masses: dict[str, Any]) -> None:
+    found = refused(rodgen.simulate, _hit(0.5, **masses), progress=False)
+    assert (found.field, found.numbers[-1]) == ("base.y", 0.5)
+    both = rodgen.simulate_many(_hit(0.5, **masses), {"initial.phi": [0, 1]})
+    assert all(why.startswith("base_y = ") for why in both.message.values())
+
+
+@pytest.mark.parametrize(("at", "mass"), [(0.5 - 1e-6, 4.0), (0.5 + 1e-6, 1.0)])
+def test_a_blow_beside_a_jump_of_a_mass_is_that_of_the_mass_then(at: float, mass: float) -> None:
+    """(M/3 + m) L w + (M/2 + m) v = 0; what leaves later takes its share of the momentum along."""
+    run = rodgen.simulate(_hit(at, bodies=TANK), target="numpy", progress=False)
+    expected = -(1 + mass) / (2 / 3 + mass) * 0.7 / 1.5
+    np.testing.assert_allclose(run.omega[-1, 0], expected, rtol=1e-6)
 
 
 def test_gravity_is_not_scaled_where_the_base_accelerates() -> None:

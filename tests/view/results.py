@@ -58,7 +58,9 @@ MAKERS: dict[str, Callable[[], Any]] = {
     "Critical": lambda: rodgen.critical_load(SCENE),
     "Cycle": _cycle,
     "Exponents": lambda: rodgen.lyapunov_exponents(SCENE, count=2),
-    "Floquet": lambda: rodgen.Floquet(np.array([0.5 + 0j]), 0.2, np.zeros(6), 1e-9, 1e-12, (0,)),
+    "Floquet": lambda: rodgen.Floquet(
+        np.array([0.5 + 0j]), 0.2, np.zeros(6), 0.0, 1e-9, 1e-12, (0,)
+    ),
     "Spectrum": lambda: rodgen.spectrum(
         rodgen.simulate(SCENE, target="numpy", span=(0.0, 4.0), output_every=0.005), peaks=1
     ),

@@ -116,7 +116,7 @@ def simulate(
         system = system.with_settings(**overrides)
         check_settings_used(system.settings, overrides)
     check_samples(system, to_file=out is not None)
-    system.time_laws.check_masses()
+    system.time_laws.check_jumps()
     with _build_reports(progress):
         if model is None:
             model = system.model(target, initial_parts(system.settings, target))

@@ -179,14 +179,16 @@ def _open_core(node: ast.expr, variable: str, states: tuple[str, ...] | None) ->
 
 
 @lru_cache(maxsize=256)
-def open_expression(text: str, variable: str, states: tuple[str, ...] = ()) -> Expression:
+def open_expression(
+    text: str, variable: str, states: tuple[str, ...] = (), field: str = "expressions"
+) -> Expression:
     """An expression of a module, whose numbers have names and no values; other names are refused
-    where the module's structure is checked."""
-    tree = grammar.parse(text, "expressions")
+    where the module's structure is checked. field: what errors call it."""
+    tree = grammar.parse(text, field)
     names = grammar.names_in(tree) if tree is not None else ()
     others = {variable, *(grammar.signals_in(tree, states) if tree is not None else ())}
     numbers = tuple((name, None) for name in names if name not in others)
-    return Expression(text, variable, "expressions", numbers, states)
+    return Expression(text, variable, field, numbers, states)
 
 
 # A scene is run again and again: what it takes milliseconds to find is kept.

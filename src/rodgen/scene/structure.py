@@ -182,7 +182,7 @@ class Structure:
     def open_expressions(self) -> dict[str, Expression]:
         """Expressions with names in place of their numbers, by parameter."""
         texts = ((name, text) for name, text in self.expressions if not PARAMETERS[name].is_array)
-        return {name: self._open_expression(text) for name, text in texts}
+        return {name: open_expression(text, "t", self.state_names, name) for name, text in texts}
 
     def expression_values(self, p: NDArray[np.float64]) -> dict[str, Any]:
         """Numbers and tables in the expressions of one rod, by name.
@@ -205,26 +205,25 @@ class Structure:
     def open_along(self) -> dict[str, Expression]:
         """Expressions in s and t, of which every link has a mean, by parameter."""
         texts = ((name, text) for name, text in self.expressions if PARAMETERS[name].is_array)
-        return {name: open_expression(text, "t", ("s",)) for name, text in texts}
+        return {name: open_expression(text, "t", ("s",), name) for name, text in texts}
 
     @cached_property
     def open_rates(self) -> dict[str, Expression]:
         """Rates of the added states, with names in place of their numbers."""
-        return {name: self._open_expression(text) for name, text in self.states}
+        named = ((name, text, f"states.{name}.rate") for name, text in self.states)
+        return {name: open_expression(text, "t", self.state_names, at) for name, text, at in named}
 
     @cached_property
     def open_masses(self) -> dict[str, Expression]:
         """Masses that are functions of time, by their names in modules."""
-        return {mass_name(name): open_expression(e, "t", ("s",)) for name, _, e in self.masses}
+        named = ((mass_name(name), text) for name, _, text in self.masses)
+        return {name: open_expression(text, "t", ("s",), name) for name, text in named}
 
     @property
     def changing_bodies(self) -> dict[str, int]:
         """Links of the bodies whose masses are functions of time, by the prefix of their
         parameters."""
         return {f"body_{name}": link for name, link, _ in self.masses if name}
-
-    def _open_expression(self, text: str) -> Expression:
-        return open_expression(text, "t", self.state_names)
 
     @cached_property
     def _all_expressions(self) -> list[Expression]:

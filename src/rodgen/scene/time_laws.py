@@ -4,7 +4,7 @@ switches, pulses, half-periods and poles."""
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache
 from typing import Any, Self
@@ -106,12 +106,9 @@ class TimeLaws:
         def with_numbers(of: Mapping[str, Expression]) -> tuple[Expression, ...]:
             return tuple(e.with_values(numbers) for e in of.values())
 
-        groups = structure.open_expressions, structure.open_along, structure.open_masses
-        single, along, masses = map(with_numbers, groups)
-        rates = tuple(
-            replace(e, field=f"states.{name}.rate").with_values(numbers)
-            for name, e in structure.open_rates.items()
-        )
+        of = structure
+        groups = of.open_expressions, of.open_along, of.open_rates, of.open_masses
+        single, along, rates, masses = map(with_numbers, groups)
         spring = None
         if springs[0]:
             names = (name for name in structure.spring_law.names if name != STIFFNESS)
@@ -150,12 +147,9 @@ class TimeLaws:
         """Break points: times inside the span at which a load, the rate of a state or a mass is not
         smooth in t, ascending; of what acts along the rod, at the quadrature points of links.
 
-        Raises InputError for a mass with too many jumps to step onto: the energy of what leaves is
-        accounted for at each; and for a base that jumps from one place to another.
+        Raises InputError for jumps that no run can have.
         """
-        self.check_masses()
-        for e in self.base:
-            check_motion(e, self.start, self.end)
+        self.check_jumps()
         found: list[float] = []
         every = [at for e in self.expressions for at in e.breaks(self.start, self.end)]
         for at in sorted([*every, *self._front_times]):
@@ -164,8 +158,16 @@ class TimeLaws:
                 found.append(at)
         return found
 
-    def check_masses(self) -> None:
-        """Raise InputError for a mass with too many jumps to be found."""
+    def check_jumps(self) -> None:
+        """Raise InputError for a mass with too many jumps to step onto, at each of which the energy
+        of what leaves is accounted for; for a base that jumps from one place to another; and for
+        one whose velocity jumps as a mass does."""
+        self._check_masses()
+        for e in self.base:
+            check_motion(e, self.start, self.end)
+        self._check_blows()
+
+    def _check_masses(self) -> None:
         crowded = self.crowded_expressions()
         for e in self.masses:
             if e in crowded or not e.has_resolvable_kinks(self.start, self.end):
@@ -176,17 +178,36 @@ class TimeLaws:
                 )
                 raise InputError(e.field, e.text, allowed)
 
+    def _check_blows(self) -> None:
+        """Raise InputError for a blow at the instant of a jump of a mass: what leaves before a blow
+        takes other momentum along than what leaves after it."""
+        for e, at, near in self._blows() if self.masses else ():
+            for mass in self.masses:
+                both = np.array([[at - near], [at + near]])
+                sides = mass.evaluate(both, {"s": gauss_points(self.links).ravel()})
+                if np.ptp(sides, axis=0).max() > SAME * np.abs(sides).max():
+                    allowed = (
+                        f"of a velocity that does not jump when a mass does ({mass.field}, at "
+                        f"t = {at:.9g}): a slightly later time for one of them says which is first"
+                    )
+                    raise InputError(e.field, e.text, allowed)
+
     def check_base_is_smooth(self) -> None:
         """Raise InputError for a base whose velocity jumps: tangents of a motion do not know what
         that does to them."""
+        for e, at, _ in self._blows():
+            raise InputError(e.field, e.text, f"of a velocity without jumps (not at t = {at:.9g})")
+
+    def _blows(self) -> Iterator[tuple[Expression, float, float]]:
+        """Motions of the base whose velocity jumps, at what times, and how near by [s] the values
+        on either side are found."""
         for e in self.base:
             fastest = np.abs(e.derivative(np.linspace(self.start, self.end, MANY), {})).max()
             for at in (self.start, *e.breaks(self.start, self.end), self.end):
                 near = 16 * np.spacing(max(abs(at), self.end - self.start))
                 before, after = (float(e.derivative(at + by, {})) for by in (-near, near))
                 if abs(after - before) > SAME * max(fastest, abs(after), abs(before)):
-                    allowed = f"of a velocity without jumps (not at t = {at:.9g})"
-                    raise InputError(e.field, e.text, allowed)
+                    yield e, at, near
 
     @cached_property
     def _front_times(self) -> tuple[float, ...]:

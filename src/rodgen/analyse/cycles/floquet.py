@@ -47,6 +47,7 @@ ENOUGH = 1e-8  # what doubling these may change of the larger multipliers, relat
 SAME = 1e-11  # of a map, that is found: multipliers that meet are known to the root of its error
 MEETING = 1e-5
 RTOL, ATOL = 1e-11, 1e-13
+LOOKS = 64  # times in a period at which the angles are looked at
 ITERATIONS = 12  # of Newton's method
 CLOSED, FAR = 1e-9, 30.0  # of the state: a motion is periodic, and is none that Newton reaches
 
@@ -57,7 +58,8 @@ class Floquet(Result, Plottable):
 
     multipliers (k,): factors by which small changes of the state grow in a period; period: of the
     motion [s]; y: the state (states,) at the start of the span, in SI units, to which the motion
-    returns; error: of the larger multipliers, relative to the largest, dimensionless; closed: how
+    returns; amplitude: half of the range of an angle in a period, the largest of all links [rad], 0
+    at rest; error: of the larger multipliers, relative to the largest, dimensionless; closed: how
     far the motion is from its start after a period, over 1 + its largest number, dimensionless;
     places: indices in y of the numbers whose changes are followed (without the place of a rod that
     flies).
@@ -84,12 +86,14 @@ class Floquet(Result, Plottable):
     multipliers: Complex
     period: float
     y: Array = field(repr=False)
+    amplitude: float
     error: float
     closed: float
     places: tuple[int, ...] = field(repr=False)
 
     ROWS = (
         Row("period", "period", "s", ".12g", kept=ASKED),
+        Row("amplitude", "amplitude of the angles", "rad", ".8g", kept=ASKED),
         Row("modulus", "largest multiplier", text=lambda found: found._largest, kept=USUAL),
         Row("argument", "angle of the multiplier", "rad", text=omit_from_tables, kept=ASKED),
         Row("growth", "growth", "1/s", ".6g", kept=USUAL),
@@ -206,7 +210,8 @@ def floquet(
     for guess in _initial_guesses(system, y):
         try:
             y, multipliers, error, closed = map_.fixed_point(guess)
-            return Floquet(multipliers, seconds, y, error, closed, map_.places)
+            amplitude = map_.amplitude(y, system.structure.angle_slice)
+            return Floquet(multipliers, seconds, y, amplitude, error, closed, map_.places)
         except (AnalysisError, StepError) as error:
             why = error
     raise AnalysisError(f"{system.name}: no motion of period {seconds:.6g} s was found: {why}")
@@ -269,6 +274,16 @@ class _PeriodMap:
             maps.append(on.tangents.T[np.ix_(self.places, self.places)])
             on.tangents = np.eye(len(y))
         return on.y, maps, on.counts[0]
+
+    def amplitude(self, y: Array, angles: slice) -> float:
+        """Half of the largest range of the angles in the period that begins with a state."""
+        none = np.empty((0, len(y)))
+        on = Variations(self._model, self._p, self._start, y, none, self._steps)
+        seen = [y[angles]]
+        for t in self._start + self.period * np.linspace(0.0, 1.0, LOOKS + 1)[1:]:
+            on.advance_to(t)
+            seen.append(on.y[angles])
+        return float(np.ptp(seen, axis=0).max(initial=0.0)) / 2
 
     def resolve_multipliers(self, y: Array, maps: list[Array], steps: int) -> tuple[Complex, float]:
         """Multipliers with steps short enough for tangents, and the change of the larger ones from
