@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 from itertools import product
 
 import numpy as np
@@ -58,6 +59,18 @@ OTHER = [
 def test_everything_else_is_refused() -> None:
     for text in OTHER:
         assert refused(Expression, text, "t", "force")[:2] == ("force", text)
+
+
+def test_functions_of_other_programs_are_answered_with_their_like() -> None:
+    at = np.array([0.5, 2.0])
+    for name, function in (
+        *(("step", np.heaviside(at, 0.0)), ("sgn", np.sign(at)), ("ln", np.log(at))),
+        *(("radians", np.radians(at)), ("cosh", np.cosh(at)), ("sinh", np.sinh(at))),
+    ):
+        told = refused(Expression, f"2*{name}(t)", "t", "force").allowed
+        instead = told.partition(f"{name}(x) is written ")[2].strip("`")
+        written = re.sub(r"\bx\b", "t", instead)
+        np.testing.assert_allclose(Expression(written, "t")(at), function, rtol=1e-15)
 
 
 def test_break_points() -> None:

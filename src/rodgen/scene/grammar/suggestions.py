@@ -12,6 +12,15 @@ from rodgen.scene.grammar.vocabulary import FUNCTIONS, SENSORS, TABLE
 
 LINE_END = re.compile("\r\n|\r|\n")  # as Python counts lines
 SHOWN = 20  # characters of a text from its mistake on
+# Functions of other programs, and what is written here.
+OTHERWISE = {
+    **dict.fromkeys(("step", "heaviside", "Heaviside"), "`1 if x > 0 else 0`"),
+    **dict.fromkeys(("sign", "sgn"), "`1 if x > 0 else -1`"),
+    "ln": "log(x)",
+    "radians": "deg(x)",
+    "cosh": "(exp(x) + exp(-x))/2",
+    "sinh": "(exp(x) - exp(-x))/2",
+}
 
 
 def syntax_error(text: str) -> str:
@@ -43,6 +52,10 @@ def suggest(node: ast.AST | None, names: Iterable[str]) -> str:
             name in FUNCTIONS or name == "pi"
         ):
             return f"; write {name} without {ast.unparse(_receiver(node))}."
+        case ast.Call(func=ast.Name(id=name)) if name in OTHERWISE:
+            return f"; {name}(x) is written {OTHERWISE[name]}"
+        case ast.Call(func=ast.Name(id=name)) if name in SENSORS:
+            return "; it does not follow the motion, which sensors measure"
         case ast.Call(func=ast.Name(id=name)) if name not in FUNCTIONS:
             return did_you_mean(name, (*FUNCTIONS, TABLE, *SENSORS))
         case ast.Name(id="d" | "dt"):
