@@ -18,6 +18,7 @@ from tests.told import numbers, refused
 COLUMN = rod(4, "clamped", THRUST | {"material_damping": {"time": 0.01}}, **ONES)
 
 
+@pytest.mark.slow
 def test_a_branch_tells_of_a_hopf_point_that_moves() -> None:
     """To the critical forces of both meshes; of finer ones, where it does not, nothing."""
     branch = continue_equilibria(COLUMN, FORCE, (1.0, 20.0), check_mesh=True)

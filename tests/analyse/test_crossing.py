@@ -158,6 +158,7 @@ def test_no_cycles_begin_where_drag_follows_a_velocity_that_changes() -> None:
         hopf_of(rod(4, "free", loads, **ONES), (20.0, 150.0))
 
 
+@pytest.mark.slow
 def test_external_damping_of_no_size_is_smooth_about_a_bent_rod() -> None:
     """The onset, and what is stable of the equilibria, are those of the rod without it."""
     loads: dict[str, Any] = {"follower": {"force": 9.0, "angle": 0.3}, "gravity": {"g": 1.0}}

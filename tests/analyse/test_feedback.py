@@ -30,6 +30,7 @@ def _scene(
     return rod(links, boundary, follower | loads, **ONES, states=states or {})
 
 
+@pytest.mark.slow
 def test_a_couple_that_is_fed_back_is_a_support_against_turning() -> None:
     """Modes about the bent rod, and the onset of flutter, of a spring and a damper at the tail."""
     law = "-2*phi(1) - 0.1*omega(1)"

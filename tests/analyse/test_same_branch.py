@@ -69,6 +69,7 @@ def test_a_free_steered_rod_branches_where_an_eigenvalue_is_zero() -> None:
     assert beside[0] < 1e-4 < 1e-2 < beside[1]
 
 
+@pytest.mark.slow
 def test_external_damping_brakes_nothing_along_a_free_rod_on_springs() -> None:
     """As a run shows, in which the whole rod swings along itself by a millimetre."""
     springs = [{"at": at, "stiffness": [10.0, 50.0]} for at in (0.0, 1.0)]
@@ -98,6 +99,7 @@ def test_a_pinned_rod_rests_where_its_thrust_is_steered_to() -> None:
     assert found.stable is not bool(grows)
 
 
+@pytest.mark.slow
 def test_flutter_before_a_fold_is_found() -> None:
     """Beyond which there is no rest at all."""
     table = {

@@ -32,6 +32,7 @@ def models(model: ModuleType, bent: Scene) -> list[ModuleType]:
     return [model, rodgen.build(bent, "numpy")]
 
 
+@pytest.mark.slow
 def test_going_back_leads_to_the_start(bent: Scene, models: list[ModuleType]) -> None:
     """A symmetric step undoes itself when velocities are turned; one of error control does not."""
     for model in models:

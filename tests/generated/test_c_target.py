@@ -181,6 +181,7 @@ def test_batches_that_are_none_are_refused(rod: ModuleType, point: type) -> None
 # What comes in and where it goes ----------------------------------------------------------------
 
 
+@pytest.mark.slow
 def test_threads_do_not_disturb_each_other(rod: ModuleType, point: type) -> None:
     """cffi lets go of the interpreter: two calls run at the same time."""
     at = point(rod)

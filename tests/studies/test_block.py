@@ -177,6 +177,7 @@ def test_events_sections_peaks_and_functions() -> None:
     same(found, computed(study, [1]), [1])
 
 
+@pytest.mark.slow
 def test_auto_finds_the_method_of_every_point(monkeypatch: pytest.MonkeyPatch) -> None:
     """One for all where the ends of the axes agree, else what `choose` finds of each; a point has
     the same bits with and without its neighbours."""

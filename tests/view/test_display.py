@@ -69,6 +69,7 @@ def test_every_class_that_shows_itself_is_here() -> None:
     assert all(issubclass(kinds[name], Tabular) for name in SHOWN)
 
 
+@pytest.mark.slow
 def test_a_line_a_picture_and_a_table() -> None:
     for name, number in SHOWN.items():
         one = made(name)

@@ -73,6 +73,7 @@ def test_files_of_a_width_and_a_format(flutters: Solution, tmp_path: Path, endin
         assert float(points) == pytest.approx(72 * COLUMN)
 
 
+@pytest.mark.slow
 def test_the_same_picture_is_the_same_file(flutters: Solution, tmp_path: Path) -> None:
     for name in ("a", "b"):
         (tmp_path / name).mkdir()

@@ -115,6 +115,7 @@ def test_pictures_say_when_a_force_acts_and_what_happened() -> None:
 
 
 @pytest.mark.parametrize("width", [3.3, 7.0])
+@pytest.mark.slow
 def test_words_on_events_lie_over_nothing(tmp_path: Path, width: float) -> None:
     """Of many events with the longest names, some at almost the same times: numbers stand apart
     from each other, above time axes, and the legend inside the picture."""

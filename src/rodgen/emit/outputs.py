@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cache, cached_property
 
 from sympy import Add, Expr, Indexed
 
 from rodgen.derive.energies import Quantities
+from rodgen.derive.general import GeneralEquations
+from rodgen.derive.link_properties import INERTIAS
 from rodgen.derive.loads.kinds import JointMoment
 from rodgen.derive.symbols import alpha, joint, joint_vx, joint_vy, joint_x, joint_y, s
 from rodgen.emit.chain_outputs import ChainFunctions, named_outputs, scalar_outputs
@@ -17,6 +19,15 @@ from rodgen.model.terms import EMPTYING
 
 VELOCITIES = tuple(f"{of}_v{axis}" for of in ("start", "tail", "centre") for axis in "xy")
 CENTRE, MOMENTUM = ("centre_x", "centre_y"), ("momentum_x", "momentum_y")
+
+
+@cache
+def _cached_quantities(
+    equations: GeneralEquations, potentials: tuple[str, ...], law: object
+) -> Quantities:
+    """Quantities of equations and a law of inertia, with all that they have derived: the parts of a
+    module are made one by one."""
+    return Quantities(equations, potentials)
 
 
 @dataclass(frozen=True)
@@ -65,7 +76,8 @@ class Functions(ChainFunctions):
 
     @cached_property
     def _quantities(self) -> Quantities:
-        return Quantities(self.equations, self.structure.potentials)
+        of = self.equations
+        return _cached_quantities(of, self.structure.potentials, INERTIAS[of.inertia])
 
     @property
     def observables(self) -> dict[str, Outputs]:
