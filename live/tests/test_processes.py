@@ -4,8 +4,12 @@ from __future__ import annotations
 
 import asyncio
 import json
+import pickle
 import queue
+import re
 import signal
+import subprocess
+import sys
 from collections.abc import Callable
 from pathlib import Path
 from types import SimpleNamespace
@@ -224,6 +228,48 @@ def test_cancelled_making_ends_its_compiler(
     with pytest.raises(InputError, match="module"):
         finished(modules.build(Structure(2, terms=()), quiet))
     assert started() == before
+
+
+ENDED_AT_ONCE = """
+import os, signal, subprocess
+from rodgen_live.page import build_process
+
+class Popen(subprocess.Popen):
+    def __init__(self, command, **options):
+        super().__init__(command, **options)
+        print("compiler", self.pid, flush=True)
+        os.kill(os.getpid(), signal.SIGTERM)
+
+subprocess.Popen = Popen
+build_process.main()
+"""
+
+
+@pytest.mark.slow
+@pytest.mark.skipif(not Path("/proc/self/stat").exists(), reason="processes are seen in /proc")
+def test_making_that_is_ended_as_compilers_begin_ends_them(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Also where the process ignores Ctrl-C, as it does below a shell in the background."""
+    script = tmp_path / "cc"
+    script.write_text("#!/bin/sh\nexec sleep 600\n")
+    script.chmod(0o755)
+    monkeypatch.setenv("CC", str(script))
+    monkeypatch.setenv("RODGEN_CACHE", str(tmp_path / "cache"))
+    before = signal.signal(signal.SIGINT, signal.SIG_IGN)
+    try:
+        done = subprocess.run(
+            [sys.executable, "-c", ENDED_AT_ONCE],
+            input=pickle.dumps(Structure(2, terms=())),
+            capture_output=True,
+            timeout=60,
+        )
+    finally:
+        signal.signal(signal.SIGINT, before)
+    compilers = re.findall(rb"compiler (\d+)", done.stdout)
+    assert done.returncode == 1
+    assert compilers
+    assert not any(runs(int(one)) for one in compilers)
 
 
 def test_a_module_in_the_cache_needs_no_process(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Iterator
 from pathlib import Path
 
 import matplotlib
@@ -102,7 +103,7 @@ def test_nothing_is_written_beyond_a_picture(
     shown += [rodgen.static_equilibrium(Scene.example("cantilever_self_weight"))]
     beyond = []
 
-    def drawn() -> object:
+    def drawn() -> Iterator[tuple[str, Figure]]:
         for at, one in enumerate(shown):
             for name, draw in pictures_of(type(one)).items():
                 figure = draw(one)
@@ -114,7 +115,7 @@ def test_nothing_is_written_beyond_a_picture(
                 if taken.ymin < -ROUNDING or taken.ymax > high + ROUNDING:
                     beyond.append((name, taken.ymin, taken.ymax - high))
 
-    save_figures(drawn(), tmp_path, PictureSettings("png", width))  # type: ignore[arg-type]
+    save_figures(drawn(), tmp_path, PictureSettings("png", width))
     assert not beyond
 
 

@@ -18,7 +18,12 @@ from rodgen.errors import InputError
 from rodgen.loading import cache
 from rodgen.loading.generated_module import Model, load_files, structure_of
 from rodgen.native import native_batch, native_run
-from rodgen.native.library import BuildError, end_compilers, library_environment
+from rodgen.native.library import (
+    BuildError,
+    DeferredInterrupt,
+    end_compilers,
+    library_environment,
+)
 from rodgen.progress import COMPILING, DERIVING, report_stage, show_work
 from rodgen.scene import Structure
 
@@ -121,10 +126,12 @@ def _load(
     steps: Future[Any] | None = None
     with ThreadPoolExecutor() as pool:
         try:
-            steps = pool.submit(native_run.step_library) if "flow" in parts else None
+            with DeferredInterrupt():  # what was begun is known, so that it can be ended
+                steps = pool.submit(native_run.step_library) if "flow" in parts else None
             for part in parts:
                 texts = _texts(structure, target, form, (part,))
-                making[part] = pool.submit(load_files, texts, whole=False)
+                with DeferredInterrupt():
+                    making[part] = pool.submit(load_files, texts, whole=False)
             if target_of(target).compiled:
                 report_stage(COMPILING)
             made: dict[str, Mapping[str, Any]] = {
@@ -136,9 +143,10 @@ def _load(
         except BaseException:
             pool.shutdown(wait=False, cancel_futures=True)
             begun = [*making.values(), *([steps] if steps else [])]
-            while not all(work.done() for work in begun):  # one may be about to begin
-                end_compilers()
-                time.sleep(0.01)
+            with DeferredInterrupt():
+                while not all(work.done() for work in begun):  # one may be about to begin
+                    end_compilers()
+                    time.sleep(0.01)
             raise
 
 

@@ -23,12 +23,16 @@ PARTS = (*required_parts("c"), *STEPS)  # of a module: what a run may ask for
 
 def main() -> None:
     """Build the module of the structure that is read from standard input."""
-    # As an exception it reaches whoever waits for the compiler, which has a session of its own.
-    signal.signal(signal.SIGTERM, lambda *_: sys.exit("it was ended"))
+    # As an exception it reaches whoever waits for the compiler, which has a session of its own; as
+    # Ctrl-C, not before it is known which compiler was started.
+    signal.signal(signal.SIGINT, signal.default_int_handler)  # of a server in the background: none
+    signal.signal(signal.SIGTERM, lambda *_: signal.raise_signal(signal.SIGINT))
     structure = pickle.load(sys.stdin.buffer)
     try:
         with report_stages_to(lambda stage: print(stage, flush=True)):
             build_fastest(structure, PARTS)
+    except KeyboardInterrupt:
+        sys.exit("it was ended")
     except (BuildError, InputError) as error:
         sys.exit(str(error))
 
