@@ -167,6 +167,19 @@ def test_slow_page_gets_fewer_messages_and_all_rows(run: LiveRun) -> None:
     assert second.table("p1", 2)[:, 0] == pytest.approx(np.arange(51) / 100)
 
 
+def test_page_is_told_of_every_change_of_the_plots(run: LiveRun) -> None:
+    """After it: the page may have read the plots before."""
+    told: list[list[str]] = []
+    for name in ("first", "second"):
+        does(run, lambda name=name: run.add_plot({"kind": "time", "y": ["phi"], "title": name}))
+    run.told = lambda: told.append([plot.spec.title for plot in run.plots.values()])
+    first, second = run.plots
+    does(run, lambda: run.arrange_plots([second, first]))
+    assert told == [["second", "first"]]
+    does(run, lambda: run.remove_plot(second))
+    assert told[1:] == [["first"]]
+
+
 def test_rows_of_plots_that_are_gone_are_not_kept(run: LiveRun) -> None:
     """Nobody looks: what waits is bounded, also over other scenes."""
     for k in range(3):

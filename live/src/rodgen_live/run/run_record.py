@@ -180,6 +180,7 @@ class RunRecord(RunThread, ShownRun):
         place = {name: at for at, name in enumerate(names)}
         ordered = sorted(self.plots, key=lambda name: place.get(name, len(place)))
         self.plots = {name: self.plots[name] for name in ordered}
+        self._notify_page()
 
     def keep_runs(self, keeps: bool) -> None:
         """Keep a run as a ghost whenever another begins, or drop the one that is kept."""
