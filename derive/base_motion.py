@@ -17,6 +17,7 @@ from rodgen.model.rod import Boundary
 from rodgen.model.terms import BASE_ROWS
 
 from .chain import Vector, link_step
+from .link_properties import Rod
 from .polynomials import TIME
 from .symbols import ALPHA, PARAMETERS, alpha, omega, phi
 
@@ -56,24 +57,26 @@ class BaseMotion:
         """Angle at which the clamp holds the rod."""
         return ALPHA + self.angle[0]
 
-    def of_first_joint(self, boundary: Boundary) -> Vector:
+    def of_first_joint(self, boundary: Boundary, rod: Rod) -> Vector:
         """Acceleration of the first joint that carries a link with an angle of its own: of joint 0
         or, where that link is held, of the joint at its end."""
         x, y = self.of_start(2)
         if boundary.first:
             held = phi[0], omega[0], alpha[0]
             values = dict(zip(held, (self.clamp_angle, *self.angle[1:]), strict=True))
-            x, y = (a + b.xreplace(values) for a, b in zip((x, y), link_growth(0), strict=True))
+            growth = link_growth(0, rod.length(0))
+            x, y = (a + b.xreplace(values) for a, b in zip((x, y), growth, strict=True))
         return x, y
 
 
 @cache
-def link_growth(link: Expr | int) -> Vector:
-    """Derive the acceleration of the end of a link over that of its start."""
+def link_growth(link: Expr | int, length: Expr) -> Vector:
+    """Derive the acceleration of the end of a link of this length over that of its start."""
     angle = dynamicsymbols("phi", real=True)
     orders = zip((alpha, omega, phi), (2, 1, 0), strict=True)
     known = {angle.diff(TIME, order) if order else angle: of[link] for of, order in orders}
     x, y = (
-        e.xreplace({phi[link]: angle}).diff(TIME, 2).subs(known) for e in link_step(link, S.One)[:2]
+        e.xreplace({phi[link]: angle}).diff(TIME, 2).subs(known)
+        for e in link_step(link, S.One, length)[:2]
     )
     return x, y

@@ -11,14 +11,14 @@ A point at the fraction xi of link p stands at
 All else follows by differentiation: velocities, and what a link does to a point when it turns.
 """
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from functools import cache
 
 from sympy import Expr, S, cos, integrate, pi, sin
 from sympy.physics.mechanics import dynamicsymbols
 
 from .polynomials import TIME
-from .symbols import bend, k, l, omega, phi
+from .symbols import bend, k, omega, phi
 
 Vector = tuple[Expr, Expr]
 
@@ -50,14 +50,14 @@ def spring_potential(bent: Expr, stiffness: Expr = k, law: Expr = LINEAR) -> Exp
     return spring_moment(bent, stiffness, spring_energy(law))
 
 
-def lever(place: str, xi: Expr) -> Expr:
-    """Length [m] along a link that the path from joint 0 to a point covers."""
-    return {BEFORE: l, OWN: xi * l, AFTER: S.Zero}[place]
+def lever(place: str, xi: Expr, length: Expr) -> Expr:
+    """Length [m] along a link of this length that the path from joint 0 to a point covers."""
+    return {BEFORE: length, OWN: xi * length, AFTER: S.Zero}[place]
 
 
-def side_lever(place: str, eta: Expr) -> Expr:
-    """Length [m] across a link that the path from joint 0 to a point covers."""
-    return eta * l if place == OWN else S.Zero
+def side_lever(place: str, eta: Expr, length: Expr) -> Expr:
+    """Length [m] across a link of this length that the path from joint 0 to a point covers."""
+    return eta * length if place == OWN else S.Zero
 
 
 def normal_angle(angle: Expr) -> Expr:
@@ -85,10 +85,11 @@ def combine(origin: Vector, levers: Sequence[Expr], angles: Sequence[Expr]) -> V
     return sum((x for x, _ in ends), origin[0]), sum((y for _, y in ends), origin[1])
 
 
-def link_step(link: Expr | int, share: Expr) -> tuple[Expr, Expr, Expr, Expr]:
-    """Derive the vector along a link from its start to a share of it, and how fast it changes."""
+def link_step(link: Expr | int, share: Expr, length: Expr) -> tuple[Expr, Expr, Expr, Expr]:
+    """Derive the vector along a link of this length from its start to a share of it, and how fast
+    it changes."""
     angle = dynamicsymbols("phi", real=True)
-    way = combine((S.Zero, S.Zero), [lever(OWN, share)], [angle])
+    way = combine((S.Zero, S.Zero), [lever(OWN, share, length)], [angle])
     known = {angle.diff(TIME): omega[link]}
     vx, vy = (e.diff(TIME).subs(known).subs(angle, phi[link]) for e in way)
     x, y = (e.subs(angle, phi[link]) for e in way)
@@ -96,10 +97,15 @@ def link_step(link: Expr | int, share: Expr) -> tuple[Expr, Expr, Expr, Expr]:
 
 
 def position(
-    origin: Vector, angles: Sequence[Expr], carrier: int, xi: Expr, eta: Expr = S.Zero
+    origin: Vector,
+    angles: Sequence[Expr],
+    length: Callable[[int], Expr],
+    carrier: int,
+    xi: Expr,
+    eta: Expr = S.Zero,
 ) -> Vector:
     """Position of the point at xi of link ``carrier`` and, beside it, at eta of its length; joint s
-    is (s, 0), the tail is (n-1, 1)."""
-    levers = [lever(relative_place(q, carrier), xi) for q in range(carrier + 1)]
-    ways = [*levers, side_lever(OWN, eta)]
+    is (s, 0), the tail is (n-1, 1). length: of a link by its number."""
+    levers = [lever(relative_place(q, carrier), xi, length(q)) for q in range(carrier + 1)]
+    ways = [*levers, side_lever(OWN, eta, length(carrier))]
     return combine(origin, ways, [*angles[: carrier + 1], normal_angle(angles[carrier])])

@@ -84,7 +84,8 @@ class ClosedForm:
     phi: all angles, held ones included; boundary: how the ends are held; lumped: half the mass of a
     link at each of its ends, not spread along it; stiffness: of every joint with a spring by its
     number, where they differ; links_differ: the mass of every link, where they differ; rest_angles:
-    between links where the spring of a joint is at rest, by its number, where not zero.
+    between links where the spring of a joint is at rest, by its number, where not zero; lengths: of
+    every link, where they differ.
     """
 
     n: Num
@@ -98,8 +99,13 @@ class ClosedForm:
     stiffness: Any = None
     links_differ: LinkMasses | None = None
     rest_angles: Any = None
+    lengths: Any = None
 
     # Entries -------------------------------------------------------------------------------
+
+    def length(self, i: Num) -> Num:
+        """Length of link i."""
+        return self.l if self.lengths is None else self.lengths[i]
 
     def w(self, i: Num) -> Num:
         """w_i = 1 + 2 (n - i - 1): the links after link i count twice, itself once."""
@@ -126,8 +132,8 @@ class ClosedForm:
         return self.arithmetic.total(self.links_differ.mass, i + 1, self.n - 1)
 
     def first_moment(self, i: Num) -> Pair:
-        """Integrals over all mass of its levers along and across link i, over l; the first is
-        (m/2) w_i and the second zero where links do not differ."""
+        """Integrals over all mass of its levers along and across link i, over the length of that;
+        the first is (m/2) w_i and the second zero where links do not differ."""
         links = self.links_differ
         if links is None:
             return self.arithmetic.half * self.m * self.w(i), 0 * self.m
@@ -142,14 +148,15 @@ class ClosedForm:
         """M_0i, M_1i = (m/2) l w_i (-sin phi_i, cos phi_i) (thesis 2.24, 2.25)."""
         along, across = self.first_moment(i)
         c, s = self.cos(self.phi[i]), self.sin(self.phi[i])
-        return -self.l * (along * s + across * c), self.l * (along * c - across * s)
+        l = self.length(i)
+        return -l * (along * s + across * c), l * (along * c - across * s)
 
     def M_link(self, i: Num) -> Num:
         """M_ii = (m/2) 2 l^2 (1/3 + n - i - 1), the third taken out (thesis 2.26); with half the
         mass of link i at its end, a half in place of the third."""
         if self.links_differ is not None:
             own = self.links_differ.mass(i) * self.links_differ.second(i)
-            return self.l**2 * (own + self.mass_behind(i))
+            return self.length(i) ** 2 * (own + self.mass_behind(i))
         if self.lumped:
             return self.arithmetic.half * self.m * self.l**2 * self.w(i)
         two_thirds = self.arithmetic.half * 4 / 3
@@ -162,13 +169,14 @@ class ClosedForm:
         if self.links_differ is not None:
             earlier = i if later == j else j
             turned -= across * self.sin(self.phi[later] - self.phi[earlier])
-        return self.l**2 * turned
+        return self.length(i) * self.length(j) * turned
 
     def Q_base_link(self, j: Num) -> Pair:
         """Q_0j, Q_1j = (m/2) l w_j (cos phi_j, sin phi_j) (thesis 2.27, 2.28)."""
         along, across = self.first_moment(j)
         c, s = self.cos(self.phi[j]), self.sin(self.phi[j])
-        return self.l * (along * c - across * s), self.l * (along * s + across * c)
+        l = self.length(j)
+        return l * (along * c - across * s), l * (along * s + across * c)
 
     def Q_link_link(self, i: Num, j: Num, later: Num) -> Num:
         """Q_ij = (m/2) l^2 w_max(i,j) sin(phi_j - phi_i) (thesis 2.44, its weights put right)."""
@@ -177,7 +185,7 @@ class ClosedForm:
         if self.links_differ is not None:
             sign = 1 if later == j else -1
             turned += sign * across * self.cos(self.phi[i] - self.phi[j])
-        return self.l**2 * turned
+        return self.length(i) * self.length(j) * turned
 
     @property
     def root_size(self) -> int:
@@ -212,7 +220,8 @@ class ClosedForm:
     def force_moment(self, i: Num, force: Pair) -> Num:
         """Generalised force on the angle of link i by a force at its end or behind it: l (cos phi_i
         F_y - sin phi_i F_x)."""
-        return self.l * (self.cos(self.phi[i]) * force[1] - self.sin(self.phi[i]) * force[0])
+        c, s = self.cos(self.phi[i]), self.sin(self.phi[i])
+        return self.length(i) * (c * force[1] - s * force[0])
 
     def lever_share(self, i: Num, link: Num, share: Num) -> Num:
         """Share of link i that lies before a point: 1 for links before that of the point, ``share``
@@ -225,12 +234,12 @@ class ClosedForm:
 
     def joint_step(self, i: Num) -> Pair:
         """Vector from joint i to joint i + 1: l (cos phi_i, sin phi_i)."""
-        return self.l * self.cos(self.phi[i]), self.l * self.sin(self.phi[i])
+        return self.length(i) * self.cos(self.phi[i]), self.length(i) * self.sin(self.phi[i])
 
     def velocity_step(self, i: Num, omega: Num) -> Pair:
         """Velocity of joint i + 1 less that of joint i: l omega_i (-sin, cos)(phi_i)
         (thesis 2.14)."""
-        speed = self.l * omega
+        speed = self.length(i) * omega
         return -speed * self.sin(self.phi[i]), speed * self.cos(self.phi[i])
 
     # Matrices: rows x0, y0 where joint 0 is free, then the moving links ----------------------

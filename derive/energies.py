@@ -43,7 +43,6 @@ from .symbols import (
     joint_x,
     joint_y,
     k,
-    l,
     moved_ax,
     moved_ay,
     n,
@@ -69,11 +68,10 @@ class Quantities:
         self, origin: Vector, angle: Expr, function: Callable[[Expr, Expr], Expr]
     ) -> Expr:
         """Mean over the mass of link i of a function of the point at xi."""
-        rod = self.equations.rod
-        beside = [side_lever(OWN, eta)] if rod.has_offset_mass else []
-        point = combine(
-            origin, [lever(OWN, xi), *beside], [angle, normal_angle(angle)][: 1 + len(beside)]
-        )
+        rod, length = self.equations.rod, self.equations.rod.length(i)
+        levers = [lever(OWN, xi, length)]
+        levers += [side_lever(OWN, eta, length)] if rod.has_offset_mass else []
+        point = combine(origin, levers, [angle, normal_angle(angle)][: len(levers)])
         return rod.mean(expand(function(*point)), i)
 
     def _integrate_over_mass(
@@ -188,7 +186,7 @@ class Quantities:
         moment over the bending stiffness."""
 
         def curvature_of(before: Expr, after: Expr, spring: Joint) -> Expr:
-            return spring_moment(after - before, spring.size / l)
+            return spring_moment(after - before, 1 / spring.length)
 
         return _piecewise_at_ends(self.equations.at_springs(curvature_of, phi), s)
 

@@ -31,7 +31,8 @@ class ExplicitDerivation(ExplicitChain):
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        self.loads = LOADS | loads_of(self.terms)  # beside one of each
+        every = dict(zip(LOADS, (load.on(self.rod) for load in LOADS.values()), strict=True))
+        self.loads = every | loads_of(self.terms, self.rod)  # beside one of each
         for load in self.loads.values():
             self.constants += load.constants(self.first_joint, self.n)
             self.turning += load.angles

@@ -71,6 +71,7 @@ class ExplicitChain:
         differing += map(self.rod.mass, range(self.n))
         if "bodies" in self.nonuniform or "points" in self.nonuniform:
             differing += [base[q] for q in range(self.n) for base in (*centre, *spread)]
+        differing += map(self.rod.length, range(self.n))
         self.constants += [e for e in differing if e.is_Indexed]
 
     @cached_property
@@ -84,7 +85,7 @@ class ExplicitChain:
         """Position of a point of the chain, or of one beside it, as polynomials."""
         x, y = self.base or [self.given.get(of, of) for of in self.motion.of_start(0)]
         origin = x, y
-        x, y = position(origin, self.angles, link, fraction, beside)
+        x, y = position(origin, self.angles, self.rod.length, link, fraction, beside)
         return self.calculus.poly(x), self.calculus.poly(y)
 
     def joint(self, s: int) -> tuple[PolyElement, PolyElement]:

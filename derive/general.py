@@ -88,7 +88,7 @@ class GeneralEquations(GenericChain):
     @cached_property
     def loads(self) -> dict[str, Load]:
         """The loads of this scene, by term."""
-        return loads_of(self.terms)
+        return loads_of(self.terms, self.rod)
 
     @property
     def has_velocity_loads(self) -> bool:
@@ -203,10 +203,11 @@ class GeneralEquations(GenericChain):
 
     def point_force(self, force: Vector, carrier: Expr, share: Expr) -> GeneralisedForces:
         """Generalised forces of a force at the fraction ``share`` of link ``carrier``."""
+        length = self.rod.length(i)
         reach = Piecewise(
-            (lever(BEFORE, share), i < carrier),
-            (lever(OWN, share), i <= carrier),
-            (lever(AFTER, share), True),
+            (lever(BEFORE, share, length), i < carrier),
+            (lever(OWN, share, length), i <= carrier),
+            (lever(AFTER, share, length), True),
         )
         return GeneralisedForces(force, reach * self.angle_force(force))
 
@@ -226,10 +227,10 @@ class GeneralEquations(GenericChain):
         origin = (x0, y0, vx0, vy0)
         if not boundary_condition.translates:
             origin = (*base.of_start(0), *base.of_start(1))
-        firsts = (0, 0, first_link, first_link)
+        firsts, steps = (0, 0, first_link, first_link), link_step(i, S.One, self.rod.length(i))
         sums = [
             start + Sum(step, (i, first, joint - 1))
-            for start, step, first in zip(origin, link_step(i, S.One), firsts, strict=True)
+            for start, step, first in zip(origin, steps, firsts, strict=True)
         ]
         zero, first, moving = map(Integer, (0, first_link, boundary_condition.first_joint))
         values = {
@@ -261,8 +262,9 @@ class GeneralEquations(GenericChain):
         """Arrays of the accelerations of the joints from which links with angles of their own go
         on, by those of these links: their first index and their values."""
         first = Integer(self.boundary_condition.first)
-        start = self.base_motion.of_first_joint(self.boundary_condition)
-        parts = zip((moved_ax, moved_ay), start, link_growth(i), strict=True)
+        start = self.base_motion.of_first_joint(self.boundary_condition, self.rod)
+        growth = link_growth(i, self.rod.length(i))
+        parts = zip((moved_ax, moved_ay), start, growth, strict=True)
         return {base: (first, a + Sum(step, (i, first, joint - 1))) for base, a, step in parts}
 
 

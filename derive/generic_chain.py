@@ -153,10 +153,15 @@ class GenericChain:
         """Sum over the mass of all links of the product of levers**powers along the given links and
         levers**sides across them; links ascend."""
         sides = sides or [0] * len(links)
+        lengths = [*map(self.rod.length, links)]
+
+        def along(places: Sequence[str], share: Expr = xi) -> list[tuple[str, Expr, Expr]]:
+            return [(place, share, length) for place, length in zip(places, lengths, strict=True)]
 
         def moment(places: Sequence[str], link: Expr) -> Expr:
-            levers = [lever(p, xi) ** power for p, power in zip(places, powers, strict=True)]
-            levers += [side_lever(p, eta) ** power for p, power in zip(places, sides, strict=True)]
+            levers = [lever(*at) ** power for at, power in zip(along(places), powers, strict=True)]
+            beside = zip(along(places, eta), sides, strict=True)
+            levers += [side_lever(*at) ** power for at, power in beside]
             return self.rod.mass(link) * self.rod.mean(prod(levers, start=S.One), link)
 
         total = S.Zero
@@ -194,7 +199,7 @@ class GenericChain:
     @cached_property
     def joint_lever(self) -> Expr:
         """Lever of link i at the joint that ends it, which all joints behind have in common."""
-        own, beyond = (lever(place, S.One) for place in (OWN, BEFORE))
+        own, beyond = (lever(place, S.One, self.rod.length(i)) for place in (OWN, BEFORE))
         if own != beyond:
             raise ArithmeticError(f"levers {own} and {beyond} at the joints behind a link differ")
         return own

@@ -64,7 +64,7 @@ class ImplicitForm:
     @cached_property
     def link_velocity_derivatives(self) -> tuple[Matrix, Matrix]:
         """Derivatives of the velocity that link i adds from start to end, by angle and by rate."""
-        _, _, *velocity = link_step(i, S.One)
+        _, _, *velocity = link_step(i, S.One, self.equations.rod.length(i))
         return Matrix(velocity).diff(phi[i]), Matrix(velocity).diff(omega[i])
 
     def by_number(self, number: Symbol) -> Matrix:

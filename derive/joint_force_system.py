@@ -81,12 +81,13 @@ def _derive_link(rod: Rod, law: Callable[[Expr], Expr]) -> _Link:
     is derived anew."""
     coordinates = dynamicsymbols("x_p y_p phi_p x_q y_q phi_q", real=True)
     p, q = coordinates[:3], coordinates[3:]
-    middle, aside = lever(OWN, rod.mean(xi, other)), S.Zero
+    length = rod.length(other)
+    middle, aside = lever(OWN, rod.mean(xi, other), length), S.Zero
     if rod.has_offset_mass:
-        aside = side_lever(OWN, rod.mean(eta, other))
+        aside = side_lever(OWN, rod.mean(eta, other), length)
 
     def point(link: list[Expr], fraction: Expr, beside: Expr = S.Zero) -> Vector:
-        ways = [lever(OWN, fraction) - middle, side_lever(OWN, beside) - aside]
+        ways = [lever(OWN, fraction, length) - middle, side_lever(OWN, beside, length) - aside]
         return combine((link[0], link[1]), ways, [link[2], normal_angle(link[2])])
 
     energy = S.Zero

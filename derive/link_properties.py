@@ -15,9 +15,10 @@ from sympy import Expr, Poly, S, integrate, sympify
 from rodgen.model import rod as rows
 from rodgen.model.term import LINKS
 
-from .symbols import PARAMETERS, eta, k, m, xi
+from .symbols import HALF, PARAMETERS, eta, k, l, m, xi
 
 joint_stiffness, link_mass = PARAMETERS["joint_stiffness"], PARAMETERS["link_mass"]
+link_length, bent_length = PARAMETERS["link_length"], PARAMETERS["bent_length"]
 rest_angle = PARAMETERS["rest_angle"]
 centre = tuple(PARAMETERS[row.name] for row in rows.CENTRE)
 spread = tuple(PARAMETERS[row.name] for row in rows.SPREAD)
@@ -52,11 +53,13 @@ def link_parameters(nonuniform: Iterable[str]) -> list[str]:
 @dataclass(frozen=True)
 class Joint:
     """Spring in a joint, zero where there is none: its size, in springs between links of an even
-    rod, its stiffness [N m/rad], and the angle between the links in which it is at rest [rad]."""
+    rod, its stiffness [N m/rad], the angle between the links in which it is at rest [rad], and the
+    length of the rod that bends there [m]."""
 
     size: Expr
     stiffness: Expr
-    rest: Expr = S.Zero
+    rest: Expr
+    length: Expr
 
     def bend(self, before: Expr, after: Expr) -> Expr:
         """Angle by which the spring is bent between links at these angles [rad]."""
@@ -81,7 +84,40 @@ class Rod:
     def joint(self, at: Expr | int, size: int = 1) -> Joint:
         """The spring in a joint."""
         rests = size and "rest" in self.nonuniform
-        return Joint(sympify(size), self.stiffness(at, size), rest_angle[at] if rests else S.Zero)
+        rest = rest_angle[at] if rests else S.Zero
+        return Joint(sympify(size), self.stiffness(at, size), rest, self._bent_length(at, size))
+
+    def _bent_length(self, at: Expr | int, size: int) -> Expr:
+        """Length of the rod that bends in a joint [m], of an even one half a link to each side."""
+        if not size:
+            return S.Infinity  # where nothing bends
+        return l / size if {"lengths", "ends"}.isdisjoint(self.nonuniform) else bent_length[at]
+
+    def length(self, link: Expr | int) -> Expr:
+        """Length of a link [m]."""
+        return link_length[link] if self.has_link_lengths else l
+
+    def length_at(self, at: Expr | int, inside: bool = True) -> Expr:
+        """Length of the rod that is gathered in a joint [m]: half of each link that meets there."""
+        if not self.has_link_lengths:
+            return l if inside else l / 2
+        ends = [at - 1, at] if inside else [at if at == 0 else at - 1]
+        return sum((HALF * self.length(link) for link in ends), S.Zero)
+
+    def mean_angle(self, before: Expr | None, after: Expr | None, at: Expr | int) -> Expr:
+        """Angle of the rod at a joint [rad]: mean of those of the links that meet there, by their
+        lengths; None for no link."""
+        if before is None or after is None:
+            return after if before is None else before
+        if not self.has_link_lengths:
+            return (before + after) / 2
+        ends = self.length(at - 1), self.length(at)
+        return (ends[0] * before + ends[1] * after) / (ends[0] + ends[1])
+
+    @property
+    def has_link_lengths(self) -> bool:
+        """Whether links differ in their length."""
+        return "lengths" in self.nonuniform
 
     @property
     def has_link_masses(self) -> bool:

@@ -49,7 +49,7 @@ from .joint_system import (
     weight_on,
 )
 from .polynomials import TIME
-from .symbols import Array, i, joint, m, n, omega, phi, xi
+from .symbols import Array, i, joint, m, n, omega, other, phi, xi
 
 
 @dataclass(frozen=True)
@@ -72,14 +72,15 @@ class _Bar:
 
 
 @cache
-def _derive_bar() -> _Bar:
-    """Derive a bar by LagrangesMethod on two masses and a massless link from one to the other."""
+def _derive_bar(length: Expr) -> _Bar:
+    """Derive a bar by LagrangesMethod on two masses and a massless link of this length from one to
+    the other."""
     x_a, y_a, turned, x_b, y_b = q = dynamicsymbols("x_a y_a phi x_b y_b", real=True)
     masses = symbols("m_a m_b", positive=True)
     ends = ((x_a, y_a), (x_b, y_b))
     squares = [sum(c.diff(TIME) ** 2 for c in end) for end in ends]
     energy = Add(*(mass / 2 * square for mass, square in zip(masses, squares, strict=True)))
-    reach = combine(ends[0], [lever(BEFORE, xi)], [turned])
+    reach = combine(ends[0], [lever(BEFORE, xi, length)], [turned])
     rows, right = constrained_equations(
         energy, list(q), [a - b for a, b in zip(reach, ends[1], strict=True)]
     )
@@ -117,9 +118,13 @@ class TensionSystem:
 
     equations: GeneralEquations
 
+    @property
+    def _bar(self) -> _Bar:
+        return _derive_bar(self.equations.rod.length(other))
+
     def _substitute(self, expression: Any, link: Expr) -> Any:
-        bar = _derive_bar()
-        return expression.subs({bar.phi: phi[link], bar.omega: omega[link]})
+        bar = self._bar
+        return expression.subs({bar.phi: phi[link], bar.omega: omega[link], other: link})
 
     def _end_masses(self, link: Expr) -> tuple[Expr, Expr]:
         """Parts of a link in the mass of the joint before it and of the joint after it."""
@@ -167,7 +172,7 @@ class TensionSystem:
 
     def _free_acceleration(self) -> Matrix:
         """Acceleration of a joint without tensions."""
-        bar = _derive_bar()
+        bar = self._bar
 
         def across(link: Expr) -> Matrix:
             return (
@@ -180,7 +185,7 @@ class TensionSystem:
     @cached_property
     def system(self) -> BlockSystem:
         """System of the tensions, one equation for every moving link."""
-        bar, boundary = _derive_bar(), self.equations.boundary_condition
+        bar, boundary = self._bar, self.equations.boundary_condition
         first = Integer(boundary.first)
         along = self._substitute(bar.along, i)
         free = Matrix([free_ax[i] - free_ax[i + 1], free_ay[i] - free_ay[i + 1]])

@@ -164,7 +164,8 @@ def can_move(boundary: str, links: int, *_: object) -> bool:
 # What may differ along a rod.
 NONUNIFORM = (
     *(("stiffness",), ("mass",), ("bodies",), ("points",), ("stiffness", "bodies")),
-    *(("rest",), ("stiffness", "mass", "rest")),
+    *(("rest",), ("stiffness", "mass", "rest"), ("stiffness", "mass", "lengths")),
+    *(("stiffness", "bodies", "rest", "lengths"), ("stiffness", "points", "lengths")),
 )
 
 
@@ -173,6 +174,12 @@ def carries(boundary: str, links: int, inertia: str, *rest: Any) -> bool:
     links, point masses to the ends of massless ones."""
     apart = {"bodies": "lumped", "points": "uniform"}
     return can_move(boundary, links) and all(apart.get(what) != inertia for what in rest[-1])
+
+
+def loads_of(terms: tuple[str, ...], nonuniform: tuple[str, ...]) -> tuple[str, ...]:
+    """Those loads that a rod which differs so may have: the thesis's damping is of equal links."""
+    every = "lengths" not in nonuniform
+    return tuple(t for t in terms if every or not any(x.by_mass for x in TERMS[t].parameters))
 
 
 # With no load and with either half: what NumPy's modules, Jacobians and Newton's cells are tried

@@ -14,6 +14,7 @@ from rodgen.model.term import BASE
 from rodgen.model.terms import TERMS as ROWS
 from rodgen.model.terms import load_places
 
+from ..link_properties import Rod
 from .kinds import Load
 
 # By term, in the order in which names list them.
@@ -22,10 +23,11 @@ LOADS: dict[str, Load] = {term: import_module(f".{term}", __name__).LOAD for ter
 TERMS = tuple(term for term in LOADS if ROWS[term].kind != BASE)
 
 
-def loads_of(terms: Sequence[str]) -> dict[str, Load]:
-    """The loads of a structure, by name."""
+def loads_of(terms: Sequence[str], rod: Rod) -> dict[str, Load]:
+    """The loads of a structure, by name, on its rod."""
     found = {}
     for text, (name, place) in zip(terms, load_places(terms).items(), strict=True):
         load = LOADS[text.partition("@")[0]]
-        found[name] = load.at_place(name, place) if "@" in text or name != text else load
+        load = load.at_place(name, place) if "@" in text or name != text else load
+        found[name] = load.on(rod)
     return found

@@ -38,7 +38,7 @@ class Base(MassForce):
         return tuple(e for course in courses for e in course if e != 0)
 
     def weight(self, mass: Expr, boundary: Boundary) -> Vector:
-        x, y = self.motion.of_first_joint(boundary)
+        x, y = self.motion.of_first_joint(boundary, self.rod)
         return -mass * x, -mass * y
 
     def explicit_forces(self, chain: ExplicitChain) -> list[list[PolyElement]]:
@@ -82,7 +82,7 @@ class Base(MassForce):
         ax, ay = (value(a) if a != 0 else 0 * rod.l for a in self.motion.of_start(2))
         if rod.boundary.first:
             angle, rate, growth = value(self.motion.clamp_angle), *map(value, self.motion.angle[1:])
-            c, sine = rod.l * rod.cos(angle), rod.l * rod.sin(angle)
+            c, sine = rod.length(0) * rod.cos(angle), rod.length(0) * rod.sin(angle)
             ax, ay = ax - sine * growth - c * rate**2, ay + c * growth - sine * rate**2
         return -(x * ax + y * ay)
 

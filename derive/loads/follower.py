@@ -30,7 +30,7 @@ class Follower(PointForce):
         if self.is_inside:
             return super().link_by_hand(rod, i, value)
         P, nu = map(value, self.parameters)
-        return P * rod.l * rod.sin(rod.phi[i] - (rod.phi[rod.n - 1] + nu))
+        return P * rod.length(i) * rod.sin(rod.phi[i] - (rod.phi[rod.n - 1] + nu))
 
 
 LOAD = Follower()

@@ -37,7 +37,7 @@ class Gravity(MassForce):
         x, y = self._fall_by_hand(value)
         along, across = rod.first_moment(i)
         cos, sin = rod.cos(rod.phi[i]), rod.sin(rod.phi[i])
-        return rod.l * (y * (along * cos - across * sin) - x * (along * sin + across * cos))
+        return rod.length(i) * (y * (along * cos - across * sin) - x * (along * sin + across * cos))
 
 
 LOAD = Gravity()

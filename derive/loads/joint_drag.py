@@ -15,7 +15,7 @@ from ..chain import Vector
 from ..closed_form import ClosedForm, Num, Pair
 from ..explicit_chain import ExplicitChain
 from ..generic_chain import GenericChain
-from ..symbols import i, joint, joint_vx, joint_vy, joint_x, joint_y, l, m, n, phi
+from ..symbols import i, joint, joint_vx, joint_vy, joint_x, joint_y, m, n, phi
 from .kinds import NOTHING, GeneralisedForces, JointLoad, Value
 
 # At a joint: angle of the rod, mass and length gathered there, and the speed to divide by.
@@ -60,11 +60,6 @@ def drag_divisor(vx: Expr, vy: Expr) -> Expr:
 def joint_mass(links: int) -> Expr:
     """Mass gathered at a joint where this many links meet: half of each."""
     return links * m / 2
-
-
-def joint_angle(angles: list[Expr]) -> Expr:
-    """Angle of the rod at a joint: mean of the links that meet there."""
-    return sum(angles[1:], angles[0]) / len(angles)
 
 
 class JointDrag(JointLoad):
@@ -132,26 +127,26 @@ class JointDrag(JointLoad):
             return NOTHING
         factors = tuple(base[at] for base in self.per_joint)
         place = joint_x[at], joint_y[at]
-        still = JointMotion(S.Zero, S.Zero, S.One, phi[at], joint_mass(1), factors, *place, l / 2)
-        return self.force(still)
+        gathered = joint_mass(1), factors, *place, self.rod.length_at(at, inside=False)
+        return self.force(JointMotion(S.Zero, S.Zero, S.One, phi[at], *gathered))
 
     def joint_arrays(self, chain: GenericChain) -> dict[IndexedBase, Expr]:
         force = self.force(self.motion(chain))
-        start, end = joint_angle([phi[0]]), joint_angle([phi[n - 1]])
-        inner = joint_angle([phi[joint - 1], phi[joint]])
-        half, whole = joint_mass(1), joint_mass(2)
+        inner = self.rod.mean_angle(phi[joint - 1], phi[joint], joint)
+        half, whole, gathered = joint_mass(1), joint_mass(2), self.rod.length_at
+        lengths = gathered(0, inside=False), gathered(n, inside=False), gathered(joint)
         return {
             divisor: drag_divisor(joint_vx[joint], joint_vy[joint]),
             mass_at: chain.piecewise_at_ends(half, half, whole),
-            length_at: chain.piecewise_at_ends(l / 2, l / 2, l),
-            rod_angle: chain.piecewise_at_ends(start, end, inner),
+            length_at: chain.piecewise_at_ends(*lengths),
+            rod_angle: chain.piecewise_at_ends(phi[0], phi[n - 1], inner),
             **dict(zip(self.bases, force, strict=True)),
         }
 
     def joint_laws(
         self, at: Expr, before: Expr | None, after: Expr | None, chain: GenericChain
     ) -> dict[Expr, Expr]:
-        angle = joint_angle([a for a in (before, after) if a is not None])
+        angle = self.rod.mean_angle(before, after, at)
         arrays = self.joint_arrays(chain)
         laws = {base: arrays[base].subs(joint, at) for base in self.bases}
         return {base[at]: law.xreplace({rod_angle[at]: angle}) for base, law in laws.items()}

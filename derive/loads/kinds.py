@@ -34,7 +34,7 @@ from ..chain import Vector
 from ..closed_form import ClosedForm, Num, Pair
 from ..explicit_chain import ExplicitChain
 from ..generic_chain import AtSprings, GenericChain
-from ..link_properties import Joint
+from ..link_properties import Joint, Rod
 from ..polynomials import TIME
 from ..symbols import PARAMETERS, joint, joint_vx, joint_vy, n, omega, s
 
@@ -75,6 +75,7 @@ class Load(ABC):
     by_position = False
     by_momentum = False
 
+    rod = Rod()  # on which it acts
     _term = ""
     _given = ""  # key of an optional parameter
 
@@ -87,6 +88,14 @@ class Load(ABC):
         """Copy of the load with another name and a place, as `load_places` has them."""
         found = copy(self)
         found._term, found._given = name, place
+        return found
+
+    def on(self, rod: Rod) -> Self:
+        """Copy of the load on a rod; itself where that is its own."""
+        if rod == self.rod:
+            return self
+        found = copy(self)
+        found.rod = rod
         return found
 
     @property

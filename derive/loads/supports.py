@@ -77,7 +77,7 @@ class Supports(JointLoad):
 
     def _motion(self, link: Expr, at: Expr, way: Expr) -> LinkMotion:
         """Motion of a link whose point is a share ``way`` of it behind joint ``at``."""
-        x, y, vx, vy = link_step(link, way)
+        x, y, vx, vy = link_step(link, way, self.rod.length(link))
         return LinkMotion(
             (joint_x[at] + x, joint_y[at] + y, phi[link]),
             (joint_vx[at] + vx, joint_vy[at] + vy, omega[link]),

@@ -13,7 +13,7 @@ from ..closed_form import Arithmetic, ClosedForm, link_masses, link_sizes
 from ..comparison import ANY_N, Comparison, DisagreementError
 from ..general import GeneralEquations
 from ..generic_chain import AtSprings
-from ..link_properties import joint_stiffness, rest_angle
+from ..link_properties import joint_stiffness, link_length, rest_angle
 from ..loads import TERMS
 from ..loads.joint_drag import JointDrag, JointMotion, divisor, length_at, mass_at, rod_angle
 from ..loads.kinds import JointMoment, Load
@@ -58,13 +58,15 @@ def prove_any_n(
     lumped = inertia == "lumped"
     links = link_masses(nonuniform, PARAMETERS.__getitem__, lumped, HALF)
     sizes = (n, m, l, k, phi, derived.boundary_condition, SYMBOLIC, lumped, differing, links)
-    closed = ClosedForm(*sizes, rest_angle if "rest" in nonuniform else None)
+    rest = rest_angle if "rest" in nonuniform else None
+    lengths = link_length if derived.rod.has_link_lengths else None
+    closed = ClosedForm(*sizes, rest, lengths)
     for name, pairs in _matrices(derived, closed).items():
         yield _compare(name, pairs)
     for load in derived.loads.values():
         yield _compare(load.letter, _load_pairs(derived, closed, load))
         if isinstance(load, JointDrag):
-            yield _compare_drag_law(derived, load)
+            yield _compare_drag_law(derived, closed, load)
 
 
 def _sizes() -> Pairs:
@@ -183,13 +185,15 @@ def _normal_form(expression: Expr) -> Expr:
     return expand(expand_trig(expand(renamed)))
 
 
-def _compare_drag_law(derived: GeneralEquations, load: JointDrag) -> Comparison:
+def _compare_drag_law(derived: GeneralEquations, closed: ClosedForm, load: JointDrag) -> Comparison:
     """Compare the force on a joint at the start, inside and at the tail with the law by hand."""
     arrays = derived.arrays
-    places: dict[str, tuple[Expr, Expr, Expr]] = {
-        "inside": (S.One, (phi[joint - 1] + phi[joint]) / 2, joint),
-        "tail": (S.Half, phi[n - 1], n),
-        "start": (S.Half, phi[0], Integer(0)),
+    ends = [closed.length(joint - 1), closed.length(joint)]
+    inside = (ends[0] * phi[joint - 1] + ends[1] * phi[joint]) / (ends[0] + ends[1])
+    places: dict[str, tuple[Expr, Expr, Expr, Expr]] = {
+        "inside": (S.One, sum(ends) / 2, inside, joint),
+        "tail": (S.Half, closed.length(n - 1) / 2, phi[n - 1], n),
+        "start": (S.Half, closed.length(Integer(0)) / 2, phi[0], Integer(0)),
     }
     if derived.boundary_condition.first_joint:
         del places["start"]
@@ -203,11 +207,11 @@ def _compare_drag_law(derived: GeneralEquations, load: JointDrag) -> Comparison:
     moving = dict(zip(joints, (vx, vy), strict=True))
     speed = speed.subs(moving)
     entries = 0
-    for where, (share, angle, index) in places.items():
+    for where, (share, length, angle, index) in places.items():
         rod = _value_at(arrays[rod_angle].value, joint, where)
-        if expand(rod.subs(joint, index) - angle.subs(joint, index)) != 0:
+        if sympy.simplify(rod.subs(joint, index) - angle.subs(joint, index)) != 0:
             raise DisagreementError(ANY_N, f"rod angle {where}", rod, angle)
-        place = joint_x[joint], joint_y[joint], share * l
+        place = joint_x[joint], joint_y[joint], length
         motion = JointMotion(vx, vy, speed, rod_angle[joint], share * m, factors, *place)
         by_hand = load.force_by_hand(motion, _identity, sympy)
         bases = mass_at, length_at

@@ -61,9 +61,9 @@ def prove_explicit(
     if "rest" in nonuniform:
         yield compare("r", [[e] for e in derived.rest_moments], [[e] for e in closed.rest()])
     at_base = tuple(term for term in terms if term.partition("@")[0] == MOVING_BASE)
-    yield _compare_joints(derived, GeneralEquations(boundary, inertia, at_base))
+    yield _compare_joints(derived, GeneralEquations(boundary, inertia, at_base, derived.nonuniform))
     value = _Value(derived)
-    for term, load in loads_of(terms).items():
+    for term, load in loads_of(terms, derived.rod).items():
         column = derived.load(term)
         if isinstance(load, JointMoment):
             resisting = [[-e for e in row] for row in derived.rate_coefficients(column)]
@@ -116,9 +116,10 @@ def _closed_form(derived: ExplicitDerivation) -> ClosedForm:
         return {q: calculus.generator[PARAMETERS[name][q]] for q in range(derived.n)}
 
     links = link_masses(derived.nonuniform, of_links, lumped, poly(HALF))
+    lengths = of_links("link_length") if derived.rod.has_link_lengths else None
     return ClosedForm(
         *(derived.n, *sizes, known, boundary_condition, polynomials, lumped),
-        *(differing, links, rest),
+        *(differing, links, rest, lengths),
     )
 
 

@@ -18,7 +18,7 @@ from ..closed_form import Arithmetic, ClosedForm, link_masses
 from ..comparison import POINTS, Comparison, DisagreementError
 from ..general import GeneralEquations
 from ..generic_chain import AtSprings
-from ..link_properties import joint_stiffness, link_parameters, rest_angle
+from ..link_properties import joint_stiffness, link_length, link_parameters, rest_angle
 from ..loads import TERMS
 from ..loads.kinds import JointMoment, Load
 from ..symbols import ALPHA, PARAMETERS, i, j, joint_moment, k, l, later, m, n, omega, phi, s
@@ -84,7 +84,8 @@ class _Points:
         of = {str(base): values for base, values in self.values.items()}.__getitem__
         masses = link_masses(derived.nonuniform, of, lumped, EXACT.half)
         of_rod = (links, *sizes, directions, derived.boundary_condition, EXACT)
-        self.closed = ClosedForm(*of_rod, lumped, of_joints[0], masses, of_joints[1])
+        lengths = self.values.get(link_length)
+        self.closed = ClosedForm(*of_rod, lumped, of_joints[0], masses, of_joints[1], lengths)
         moving = self.closed.links
         self.rows = sorted(
             {*self.draw.sample(moving, min(len(moving), ROWS)), moving[-1], moving[0]}

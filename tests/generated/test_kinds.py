@@ -32,6 +32,7 @@ from tests.palette import (
     can_move,
     carries,
     cases,
+    loads_of,
 )
 
 TARGETS = pytest.mark.parametrize(
@@ -262,5 +263,5 @@ def test_module_of_a_nonuniform_rod_equals_fifty_digit_arithmetic(
     terms: tuple[str, ...],
     nonuniform: tuple[str, ...],
 ) -> None:
-    structure = Structure(links, boundary, inertia, terms, (), nonuniform)
+    structure = Structure(links, boundary, inertia, loads_of(terms, nonuniform), (), nonuniform)
     assert _exact(built(structure, "numpy", form))

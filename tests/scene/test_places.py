@@ -10,7 +10,7 @@ import pytest
 from rodgen.analyse.critical import critical_load
 from rodgen.errors import Missing
 from rodgen.scene import Scene
-from rodgen.scene.rod_points import place_text
+from rodgen.scene.rod_mesh import RodMesh
 from rodgen.scene.structure import Structure
 from rodgen.scene.term_texts import parse_terms
 from tests.told import refused
@@ -53,7 +53,7 @@ def test_a_place_is_a_link_and_a_share_of_it() -> None:
         (0.5, 5, "2+1/2"),
         (0.99, 2, "1+49/50"),
     ):
-        assert place_text(at, links) == place
+        assert RodMesh(links).place_text(at) == place
         link, _, share = place.partition("+")
         if place:  # on the link on which s lies, to a part in 10^9 of it
             assert abs(int(link) + Fraction(share or 0) - Fraction(at) * links) < 1e-9

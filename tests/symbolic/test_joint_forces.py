@@ -17,7 +17,7 @@ from rodgen.derive.loads import TERMS
 from rodgen.derive.proofs import DisagreementError
 from rodgen.derive.proofs import joint_force_proof as proof_joint_forces
 from rodgen.derive.proofs.joint_force_proof import prove_joint_forces
-from rodgen.derive.symbols import Array, m
+from rodgen.derive.symbols import Array, l, m
 from rodgen.derive.tensions import TensionSystem
 from rodgen.model.rod import BOUNDARIES
 from rodgen.model.terms import THESIS_TERMS
@@ -109,8 +109,8 @@ def test_wrong_centrifugal_terms_are_caught(boundary: str, monkeypatch: pytest.M
     uniform = link(Rod("uniform"), INERTIAS["uniform"])
     still = replace(uniform, end_rate=zeros(2, 1), start_rate=zeros(2, 1))
     monkeypatch.setattr(joint_force_system, "_derive_link", lambda *_: still)
-    monkeypatch.setattr(tensions, "_derive_bar", lambda: replace(bar(), stretch=S.Zero))
-    assert diff(bar().stretch, bar().omega) != 0
+    monkeypatch.setattr(tensions, "_derive_bar", lambda of: replace(bar(of), stretch=S.Zero))
+    assert diff(bar(l).stretch, bar(l).omega) != 0
     for inertia in INERTIAS:
         with pytest.raises(DisagreementError, match="joint forces"):
             list(prove_joint_forces(3, boundary, inertia, ()))

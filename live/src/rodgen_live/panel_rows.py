@@ -114,11 +114,12 @@ class RunStatus:
             links = [body.link for body in then.body_outlines]
             return then.link_masses + np.bincount(links, then.body_masses, self.scene.rod.links)
         place = self.scene.structure.slices.get("link_mass")
-        return np.array([self.per_link("mass")]) if place is None else self.chunk.p[place]
+        return self.per_link("mass") if place is None else self.chunk.p[place]
 
-    def per_link(self, name: str) -> float:
-        """Share of one link in a parameter of the whole rod."""
-        return self.parameter(name) / self.scene.rod.links
+    def per_link(self, name: str) -> Array:
+        """Share of every link in a parameter of the whole rod; one number where all are alike."""
+        found = self.scene.mesh.lengths(self.parameter(name))
+        return found[:1] if self.scene.mesh.is_even else found
 
     @property
     def stiffness(self) -> Array:
@@ -181,7 +182,7 @@ def _rod(now: RunStatus) -> Iterator[TextRow]:
         for at, body in enumerate(scene.bodies):
             yield _row(f"body_mass_{at}", f"mass of {body.name}", "kg", float(masses[at]))
     yield _row("links", "links", "", scene.rod.links)
-    yield _row("link_length", "length of a link", "m", now.per_link("length"))
+    yield _row("link_length", "length of a link", "m", _format_range(now.per_link("length")))
     yield _row("link_mass", "mass of a link", "kg", _format_range(now.link_mass))
     unit, stiffness = "N m/rad", now.stiffness
     if scene.rod.links > 1:

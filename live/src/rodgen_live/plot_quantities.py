@@ -91,7 +91,7 @@ class Catalogue:
         for kind, names in self.kinds.items():
             along = [self._places[name].along for name in names]
             if along := [one for one in along if one is not None]:
-                self.along[kind] = np.array(along)
+                self.along[kind] = system.scene.mesh.at(along)
         self._plan = lru_cache(MOST_PLANS)(self._make_plan)
         self._last: tuple[Chunk, MotionSlice] | None = None
         self._own: dict[str, UserExpression] = {}

@@ -16,7 +16,6 @@ from rodgen.errors import InputError
 from rodgen.scene import Scene, Structure
 from rodgen.scene.anchors import SAME
 from rodgen.scene.plain_tables import is_number
-from rodgen.scene.rod_points import link_and_share
 from rodgen.scene.tables import SupportTable
 from rodgen.system import System
 
@@ -51,8 +50,8 @@ def with_pull(system: System, pull: Pull) -> System:
         if check_number(f"pull.{name}", value) < 0:
             raise InputError(f"pull.{name}", value, "not negative")
     to = [check_number("pull.to", part) for part in pull.to]
-    at = (pull.link + pull.share) / links
-    link, share = link_and_share(at, links)
+    at = float(scene.mesh.at(pull.link + pull.share))
+    link, share = scene.mesh.link_and_share(at)
     if link < scene.boundary_condition.first:
         raise InputError("pull.link", pull.link, "one that moves")
     for tie in scene.anchors.support_points:

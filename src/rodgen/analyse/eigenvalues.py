@@ -64,13 +64,16 @@ def _solve_dense(dense: DensePencil, singular: bool = False) -> EigenSolution:
     """Solve a dense pencil, by the inverse where K is regular: slow motions keep their digits."""
     if not dense.size:
         return EigenSolution(np.zeros(0, dtype=complex), np.zeros((0, 0), dtype=complex))
+    if not singular:
+        with suppress(np.linalg.LinAlgError):
+            if not dense.is_damped:
+                squares, columns = np.linalg.eig(np.linalg.solve(dense.S0, -dense.S2))
+                return EigenSolution(square_roots(1 / squares), columns.astype(complex))
+            inverse, vectors = _companion(dense.S0, dense.S1, dense.S2)
+            return _upper_half_plane(1 / inverse, vectors)
     if not dense.is_damped:
         squares, columns = np.linalg.eig(np.linalg.solve(dense.S2, -dense.S0))
         return EigenSolution(square_roots(squares), columns.astype(complex))
-    if not singular:
-        with suppress(np.linalg.LinAlgError):
-            inverse, vectors = _companion(dense.S0, dense.S1, dense.S2)
-            return _upper_half_plane(1 / inverse, vectors)
     return _upper_half_plane(*_companion(dense.S2, dense.S1, dense.S0))
 
 

@@ -45,7 +45,7 @@ from rodgen.scene import Scene
 from rodgen.scene.mesh import mesh_notes
 from rodgen.system import System
 
-DENSE = 24  # links up to which all eigenvalues are computed; the lowest alone beyond
+DENSE = 100  # links up to which all eigenvalues take less time than the lowest alone
 FARTHEST = 16  # times the asked count of eigenvalues are looked at beyond MOST_DENSE links
 SLACK = "rod.spring has no slope above 0 at d = 0: nothing resists a small bend of the straight rod"
 NAMED = 3  # frequencies in a line of text
@@ -163,7 +163,7 @@ def natural_modes(
 
     The steady state is straight and at rest, in static equilibrium, or straight and steadily
     accelerating under its thrust; a rod that is bent at rest is so instead of straight. All
-    eigenvalues are computed for up to 24 links, if a third or more are asked for, with external
+    eigenvalues are computed for up to 100 links, if a third or more are asked for, with external
     damping, and with internal damping for up to 500 links. Otherwise those of smallest modulus are
     computed by sparse shift-invert, in O(n). With much damping and more than 500 links, there may
     be fewer than ``count``, and a motion of large modulus but low frequency may be missed. Motions

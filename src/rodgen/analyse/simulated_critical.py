@@ -412,9 +412,8 @@ def _disturbance_angles(scene: Scene, disturbance: str | None, amplitude: float)
         amplitude
     )
     text = disturbance or default
-    n = scene.rod.links
-    links = np.arange(scene.n_fixed_links, n)
-    values = np.broadcast_to(Expression(text, "s", "disturbance")((links + 0.5) / n), links.shape)
+    s = scene.mesh.middles[scene.n_fixed_links :]
+    values = np.broadcast_to(Expression(text, "s", "disturbance")(s), s.shape)
     if not (np.isfinite(values).all() and values.any()):
         raise InputError("disturbance", disturbance, "finite, and not zero on every link")
     return np.asarray(values, dtype=float)

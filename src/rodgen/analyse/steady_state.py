@@ -277,7 +277,8 @@ def unloaded_state(rod: SteadyRod, p: Array) -> tuple[SteadyState | None, float]
     not keep that, and the largest angular acceleration of its links [rad/s^2]."""
     at = rod.unloaded_unknowns
     turning, force = joint_forces(rod, at, p)
-    scale = np.abs(force).max(initial=0.0) * rod.scene.rod.links / rod.scene.rod.length
+    shortest = float(rod.scene.mesh.lengths(rod.scene.rod.length).min())
+    scale = np.abs(force).max(initial=0.0) / shortest
     largest = float(np.abs(turning).max())
     most = STEADY * scale + _turning_by_rounding(rod, at, p)
     if largest <= most and _is_joint_at_rest(rod, at, p):

@@ -108,22 +108,22 @@ def hanging_shape(rod: SteadyRod, p: Array, pull: Array) -> Array:
     from each to the next, towards the pull (2,) [N], and straight along the pull at its ends."""
     springs = SupportSprings.of(rod, p)
     held = springs.stiffness.all(axis=-1)
-    at, points = (springs.links + springs.share)[held], springs.fixed[held]
+    mesh = rod.scene.mesh
+    at, points = mesh.at(springs.links + springs.share)[held], springs.fixed[held]
     if not rod.n_base:  # held at its start too
         start = rod.model.joints(rod.state_at_rest(rod.start_unknowns(rod.unloaded_angles)), p)[0]
         at, points = np.append(0.0, at), np.vstack((start, points))
     order = np.argsort(at)
-    middles = np.arange(rod.scene.rod.links) + 0.5
+    middles = mesh.middles
     along = float(np.arctan2(pull[1], pull[0]))
     phi = np.full(len(middles), along)
     if len(at):
         phi[middles < at.min()] = along + np.pi
-    link = rod.scene.rod.length / len(middles)
     for one, other in itertools.pairwise(order):
         within = (middles >= at[one]) & (middles < at[other])
         share = (middles[within] - at[one]) / (at[other] - at[one])
         phi[within] = _catenary(
-            points[other] - points[one], link * (at[other] - at[one]), pull, share
+            points[other] - points[one], rod.scene.rod.length * (at[other] - at[one]), pull, share
         )
     return phi[rod.scene.n_fixed_links :]
 

@@ -25,8 +25,8 @@ from rodgen.loading.generated_module import call_module, structure_of
 from rodgen.memory import check_memory
 from rodgen.progress import report_stage
 from rodgen.result import Result, Row
-from rodgen.scene.law import cell_means, gauss_points
-from rodgen.scene.link_parts import link_parameters_at
+from rodgen.scene.link_parts import link_parameters_at, mesh_of
+from rodgen.scene.rod_mesh import cell_means
 
 DIGITS = 50
 DRAWS = 100  # of parameters, until loads are finite
@@ -174,7 +174,7 @@ def _load_values(module: ModuleType, values: dict[str, Any], t: float) -> dict[s
 def _link_means(module: ModuleType, values: dict[str, Any], t: float) -> dict[str, Any]:
     """Means over every link at a time of the loads that are functions of place as well."""
     structure, found = structure_of(module), {}
-    places = gauss_points(structure.n_links)
+    places = mesh_of(structure, values).gauss_points()
     for name, e in structure.open_along.items():
         density = e.with_values(values).evaluate(np.float64(t), {"s": places})
         found[name] = cell_means(np.broadcast_to(density, places.shape))

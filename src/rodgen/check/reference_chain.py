@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from bisect import bisect_right
 from collections.abc import Mapping, Sequence
+from fractions import Fraction
 from functools import cached_property
 from itertools import pairwise
 from types import ModuleType
@@ -15,6 +16,7 @@ from sympy import Dummy, Indexed, IndexedBase, Symbol, lambdify
 
 from rodgen.derive.base_motion import ORDERS
 from rodgen.derive.closed_form import Arithmetic, ClosedForm, LinkMasses, link_masses, link_sizes
+from rodgen.derive.link_properties import Rod
 from rodgen.derive.loads import loads_of
 from rodgen.derive.symbols import bend, k, l, m, n, phi
 from rodgen.emit.spring_expression import law_of
@@ -64,8 +66,9 @@ class ReferenceChain:
     force_values: dict[IndexedBase, dict[int, Any]]
 
     def __init__(self, module: ModuleType, values: dict[str, Any], y: np.ndarray):
-        self.n, self.acting = module.N, loads_of(module.TERMS)
-        self.structure = structure_of(module)
+        self.n, self.structure = module.N, structure_of(module)
+        rod = Rod(self.structure.inertia, self.structure.nonuniform)
+        self.acting = loads_of(module.TERMS, rod)
         boundary = self.structure.boundary_condition
         number: dict[str, Any] = {
             name: [mpmathify(v) for v in value] if np.ndim(value) else mpmathify(value)
@@ -96,7 +99,7 @@ class ReferenceChain:
         half, nonuniform = FIFTY_DIGITS.half, getattr(module, "NONUNIFORM", ())
         links = link_masses(nonuniform, number.__getitem__, self.lumped, half)
         how = boundary, FIFTY_DIGITS, self.lumped
-        self.closed = ClosedForm(*sizes, *how, stiffness, links, rest)
+        self.closed = ClosedForm(*sizes, *how, stiffness, links, rest, number.get("link_length"))
         # Every angle that a spring knows; stiffness and rest angle between it and the next.
         root, tail = (
             [size] if size else [] for size in (self.closed.root_size, self.closed.tail_size)
@@ -157,7 +160,7 @@ class ReferenceChain:
         x, y, xy = mpf(0), mpf(0), mpf(0)
         for q, (a, b) in enumerate(self._centres()):
             m, c, s = self.links.mass(q), mp.cos(self.phi[q]), mp.sin(self.phi[q])
-            along, across, mixed = (m * self.l**2 * of for of in self._spread(q))
+            along, across, mixed = (m * self.closed.length(q) ** 2 * of for of in self._spread(q))
             x += along * s**2 + across * c**2 + 2 * mixed * s * c + m * (b - Y) ** 2
             y += along * c**2 + across * s**2 - 2 * mixed * s * c + m * (a - X) ** 2
             xy += (along - across) * s * c + mixed * (c**2 - s**2) + m * (a - X) * (b - Y)
@@ -176,7 +179,8 @@ class ReferenceChain:
         """Centres of gravity of the links."""
         found = []
         for q, (x, y) in enumerate(self.joints()[:-1]):
-            a, b = self.l * self.links.along(q), self.l * self.links.across(q)
+            l = self.closed.length(q)
+            a, b = l * self.links.along(q), l * self.links.across(q)
             c, s = mp.cos(self.phi[q]), mp.sin(self.phi[q])
             found.append((x + a * c - b * s, y + a * s + b * c))
         return found
@@ -227,8 +231,7 @@ class ReferenceChain:
 
     def sensor_value(self, sensor: Sensor) -> Any:
         """Value that a sensor measures."""
-        at = mpf(repr(sensor.at)) * self.n
-        link = min(int(at), self.n - 1)
+        link, share = self._sensor_place(sensor)
         if sensor.what in ("phi", "omega"):
             return (self.phi if sensor.what == "phi" else self.omega)[link]
         if sensor.what in ("x", "y"):
@@ -236,7 +239,18 @@ class ReferenceChain:
         else:
             starts, way = self._velocities, self.closed.velocity_step(link, self.omega[link])
         axis = int(sensor.what[-1] == "y")
-        return starts[link][axis] + (at - link) * way[axis]
+        return starts[link][axis] + share * way[axis]
+
+    def _sensor_place(self, sensor: Sensor) -> tuple[int, Any]:
+        """Link of a sensor and share of that before its point."""
+        text = dict(self.structure.sensor_places).get(repr(sensor.at))
+        if text is not None:
+            link, _, share = text.partition("+")
+            over = Fraction(share or 0)
+            return (int(link), mpf(over.numerator) / over.denominator) if text else (self.n - 1, 1)
+        at = mpf(repr(sensor.at)) * self.n
+        link = min(int(at), self.n - 1)
+        return link, at - link
 
     def point_force(self, link: int, share: float, force: tuple[float, float]) -> list[Any]:
         """Generalised forces of a force at a share of a link: the force times the derivatives of
@@ -244,8 +258,8 @@ class ReferenceChain:
         fx, fy = map(mpf, force)
         arms = [mpf(1)] * link + [mpf(share)] + [mpf(0)] * (self.n - link - 1)
         turning = [
-            arm * self.l * (fy * mp.cos(angle) - fx * mp.sin(angle))
-            for arm, angle in zip(arms, self.phi, strict=True)
+            arm * self.closed.length(q) * (fy * mp.cos(angle) - fx * mp.sin(angle))
+            for q, (arm, angle) in enumerate(zip(arms, self.phi, strict=True))
         ]
         return [*([fx, fy] if self.boundary.translates else []), *turning[self.boundary.first :]]
 

@@ -122,11 +122,12 @@ class ReferenceEquations(ReferenceChain):
         return {}
 
     def _joint_motion(self, load: JointDrag, s: int) -> JointMotion:
-        links = [self.phi[q] for q in (s - 1, s) if 0 <= q < self.n]
-        share, angle = mpf(len(links)) / 2, sum(links) / len(links)
-        v, place = self._velocities[s], (*self.joints()[s], share * self.l)
+        links = [q for q in (s - 1, s) if 0 <= q < self.n]
+        lengths = [self.closed.length(q) for q in links]
+        angle = dot(lengths, [self.phi[q] for q in links]) / sum(lengths)
+        v, place = self._velocities[s], (*self.joints()[s], sum(lengths) / 2)
         own = tuple(self.number[str(base)][s] for base in load.per_joint)
-        return JointMotion(*v, mp.hypot(*v) or mpf(1), angle, share * self.m, own, *place)
+        return JointMotion(*v, mp.hypot(*v) or mpf(1), angle, len(links) * self.m / 2, own, *place)
 
     def _link_motion(self, load: Supports, q: int) -> LinkMotion:
         own = tuple(self.number[str(base)][q] for base in load.per_link)

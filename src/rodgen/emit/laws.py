@@ -13,6 +13,7 @@ from typing import ClassVar
 
 from sympy import Expr, Function, Rational, Symbol
 
+from rodgen.derive.link_properties import Rod
 from rodgen.derive.sensors import SensorPoint, point_at
 from rodgen.scene.expression import Expression
 from rodgen.scene.grammar import Language, Sensor
@@ -55,8 +56,17 @@ class Laws:
     @cached_property
     def points(self) -> list[tuple[Sensor, SensorPoint]]:
         """Sensors in their order, each with the point that it is fixed to."""
-        n, boundary = self.structure.n_links, self.structure.boundary_condition
-        return [(of, point_at(Rational(repr(of.at)), n, boundary)) for of in self.structure.sensors]
+        structure, places = self.structure, dict(self.structure.sensor_places)
+        rod, boundary = Rod(structure.inertia, structure.nonuniform), structure.boundary_condition
+        found = []
+        for of in structure.sensors:
+            if (text := places.get(repr(of.at))) is None:
+                place = Rational(repr(of.at)) * structure.n_links
+            else:
+                link, _, share = text.partition("+")
+                place = Rational(link) + Rational(share or 0) if text else structure.n_links
+            found.append((of, point_at(place, structure.n_links, boundary, rod)))
+        return found
 
     @cached_property
     def sensors(self) -> dict[Symbol, Expr]:

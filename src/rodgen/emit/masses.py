@@ -12,8 +12,8 @@ import numpy as np
 
 from rodgen.derive.base_motion import ORDERS
 from rodgen.scene.grammar import Language
-from rodgen.scene.law import POINTS, WEIGHTS
 from rodgen.scene.literals import mass_name
+from rodgen.scene.rod_mesh import POINTS, WEIGHTS
 from rodgen.scene.structure import Structure
 
 OWN, RATE = "own_mass", "_rate"

@@ -172,6 +172,7 @@ def _context(
         "spring": structure.spring,
         "expressions": structure.open_expressions,
         "table_rows": dict(structure.tables),
+        "sensor_places": structure.sensor_places,
         "texts": texts,
         "slot": slots,
         "state_places": named | added,

@@ -10,7 +10,7 @@ from rodgen.arrays import Array
 from rodgen.integrate.quantity_formulas import Motion
 from rodgen.model.term import COUPLE
 from rodgen.model.terms import TERMS, load_places
-from rodgen.scene.rod_points import parse_place
+from rodgen.scene.rod_mesh import parse_place
 
 
 def couples_of(motion: Motion, terms: Iterable[str]) -> dict[str, Array]:

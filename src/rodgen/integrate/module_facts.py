@@ -106,7 +106,8 @@ class ModuleFacts:
     def time_laws(self, span: Sequence[float], p: Array) -> TimeLaws:
         """Laws in time of one rod within a span [s]. Raises InputError."""
         values, springs = self.structure.expression_values(p), self._springs(p)
-        return TimeLaws.from_structure(self.structure, values, span[0], span[1], springs)
+        mesh = self.structure.mesh(p)
+        return TimeLaws.from_structure(self.structure, values, mesh, span[0], span[1], springs)
 
     def _springs(self, p: Array) -> tuple[tuple[float, ...], tuple[float, ...]]:
         """Stiffness of the springs, of a uniform rod by EI, and their rest angles; none where their
@@ -165,9 +166,8 @@ class ModuleFacts:
     def _stretches_of(self, settings: IntegrationTable, p: Array) -> Stretches:
         """Find the stretches of one rod. Raises InputError."""
         start, end = settings.span
-        laws = TimeLaws.from_structure(
-            self.structure, self.structure.expression_values(p), start, end
-        )
+        of, values = self.structure, self.structure.expression_values(p)
+        laws = TimeLaws.from_structure(of, values, of.mesh(p), start, end)
         found = Stretches.of(laws, settings.has_fixed_step)
         if not found.ends:
             _, load = laws.first_pole() or (start, None)

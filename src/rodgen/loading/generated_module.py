@@ -99,7 +99,8 @@ def structure_of(module: ModuleType) -> Structure:
         getattr(module, "NONUNIFORM", ()),
         tuple(getattr(module, "TABLES", {}).items()),
     )
-    return _cached_structure(*rod, expressions, nonuniform, states, spring, masses, tables)
+    places = getattr(module, "SENSOR_PLACES", ())
+    return _cached_structure(*rod, expressions, nonuniform, states, spring, masses, tables, places)
 
 
 @lru_cache(maxsize=64)

@@ -207,7 +207,7 @@ TURNS = {"phi": 6.283185307179586}  # by kind, of absolute angles: a whole turn
 
 class Number(NamedTuple):
     """A single number of a quantity: its name, its label in plots, its kind, where it is in the
-    dimensions, and how far along the rod, from 0 at joint 0 to 1 at the tail, if anywhere."""
+    dimensions, and how far along the rod, in links from joint 0, if anywhere."""
 
     name: str
     label: str
@@ -243,7 +243,7 @@ def numbers(
                 at = (number - starts.get(first, 0), *((last,) if rest else ()))
                 shown = label.format(str(number).translate(SUBSCRIPTS))
                 # Supports are single points: nothing goes along the rod from one to the next.
-                along = None if first == "supported" else (number + middle) / links
+                along = None if first == "supported" else number + middle
                 yield Number(name.format(number), shown, kind, at, along)
 
 

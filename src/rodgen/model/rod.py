@@ -149,6 +149,7 @@ def _of_links(
 
 
 # fmt: off
+LINK_LENGTH = _of_links("link_length", "link length", "of each link []", POSITIVE, "m")
 LINK_MASS = _of_links("link_mass", "link mass", "of each link []", POSITIVE, "kg")
 CENTRE_ALONG = _of_links("link_centre_along", "centre along",
     "centre of gravity of each link along it, over its length")
@@ -201,6 +202,8 @@ JOINT_STIFFNESS = Parameter("joint_stiffness", "bending_stiffness", "joint stiff
     "N m/rad", "of the spring in each joint that has one []", rule=NOT_NEGATIVE, each=SPRINGS)
 REST_ANGLE = Parameter("rest_angle", REST_CURVATURE.key, "rest angle", "", "rad",
     "between the links at each joint with a spring where that is not bent []", each=SPRINGS)
+BENT_LENGTH = Parameter("bent_length", "", "bent length", "", "m",
+    "of the rod that bends in each joint with a spring []", rule=POSITIVE, each=SPRINGS)
 NONUNIFORM = {
     "stiffness": Nonuniform((JOINT_STIFFNESS,), "stiffness that differs from joint to joint",
         instead=("bending_stiffness",)),
@@ -208,6 +211,8 @@ NONUNIFORM = {
     "bodies": Nonuniform((LINK_MASS, *CENTRE, *SPREAD), "bodies fixed to its links"),
     "points": Nonuniform((LINK_MASS, CENTRE_ALONG), "point masses in its joints"),
     "rest": Nonuniform((REST_ANGLE,), "springs that are at rest where it is bent"),
+    "lengths": Nonuniform((LINK_LENGTH, BENT_LENGTH), "links of unequal length"),
+    "ends": Nonuniform((BENT_LENGTH,), "a body at its end that resists turning"),
 }
 # fmt: on
 # Of these ways to differ a rod has one at most: how its mass lies.

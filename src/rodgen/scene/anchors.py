@@ -15,7 +15,7 @@ from rodgen.model.terms import TERMS
 from rodgen.scene.distribution import Distribution
 from rodgen.scene.expression_text import Numbers
 from rodgen.scene.law import Law
-from rodgen.scene.rod_points import link_and_share
+from rodgen.scene.rod_mesh import RodMesh
 
 if TYPE_CHECKING:
     from rodgen.scene.tables import FoundationTable, RodTable, SupportTable
@@ -61,12 +61,12 @@ class Anchors:
     def check(self) -> None:
         """Raise InputError for supports or a foundation that no module can have."""
         if self.foundation is not None:
-            self._stiffness.check(self.rod.links, self.rod.links + 1)
+            self._stiffness.check(self.mesh, self.rod.links + 1)
         first: dict[int, tuple[int, float]] = {}
         for i, support in enumerate(self.supports):
-            link, share = link_and_share(support.at, self.rod.links)
+            link, share = self.mesh.link_and_share(support.at)
             if link < self.rod.boundary_condition.first:
-                allowed = f"on a link that moves, beyond {1 / self.rod.links:.6g}"
+                allowed = f"on a link that moves, beyond {self.mesh.places[1]:.6g}"
                 raise InputError(f"supports[{i}].at", support.at, allowed)
             other, there = first.setdefault(link, (i, share))
             if abs(share - there) > SAME:
@@ -98,6 +98,11 @@ class Anchors:
         return values | self._support_parameters() if self.supports else values
 
     @property
+    def mesh(self) -> RodMesh:
+        """Where the joints of the rod are."""
+        return self.rod.mesh(self.numbers)
+
+    @property
     def angle(self) -> float:
         """Angle of the straight rod [rad]."""
         return float(self.rod.clamp_angle or self.turned)
@@ -106,10 +111,13 @@ class Anchors:
         """Fixed point of a support [m]; by default where the rod without load has its point."""
         if support.to is not None:
             return float(support.to[0]), float(support.to[1])
-        n, shape = self.rod.links, Distribution(self.rod, numbers=self.numbers).rest_shape
+        shape = Distribution(self.rod, numbers=self.numbers).rest_shape
         angles = self.angle + np.concatenate(([0.0], shape))
         straight, *turned = np.stack((np.cos(angles), np.sin(angles)), axis=-1)
-        way = self.rod.length / n * np.clip(support.at * n - np.arange(n), 0.0, 1.0)
+        link, share = self.mesh.link_and_share(support.at)
+        way = self.mesh.lengths(self.rod.length)
+        way[link] *= share
+        way[link + 1 :] = 0.0
         # With what a bent rod has beside the straight one, to which rounding adds nothing.
         point = support.at * self.rod.length * straight + way @ (turned - straight)
         return float(self.start[0] + point[0]), float(self.start[1] + point[1])
@@ -117,9 +125,10 @@ class Anchors:
     @property
     def support_points(self) -> list[SupportPoint]:
         """Supports that have any effect, for drawing."""
-        links, acting = self.rod.links, filter(_has_effect, self.supports)
+        acting = filter(_has_effect, self.supports)
         return [
-            SupportPoint(*link_and_share(one.at, links), *self.fixed_point(one)) for one in acting
+            SupportPoint(*self.mesh.link_and_share(one.at), *self.fixed_point(one))
+            for one in acting
         ]
 
     @property
@@ -133,10 +142,8 @@ class Anchors:
     def _foundation_parameters(self) -> dict[str, Any]:
         """Parameters of a foundation: each joint carries half a link to either side."""
         assert self.foundation is not None
-        links = self.rod.links
-        width = np.full(links + 1, self.rod.length / links)
-        width[[0, -1]] /= 2
-        stiffness = self._stiffness.at(np.arange(links + 1) / links)
+        width = self.mesh.lengths_at_joints(self.rod.length)
+        stiffness = self._stiffness.at(self.mesh.places)
         aside = {}
         if (point := self.through) is not None:
             offset = cos(self.angle) * point[1] - sin(self.angle) * point[0]
@@ -153,7 +160,7 @@ class Anchors:
         names = [one.name for one in TERMS["supports"].parameters if one.is_array]
         values = {name: np.zeros(links) for name in names}
         for support in self.supports:
-            link, values["support_share"][link] = link_and_share(support.at, links)
+            link, values["support_share"][link] = self.mesh.link_and_share(support.at)
             for axis, at in zip("xy", self.fixed_point(support), strict=True):
                 stiffness = values[f"support_stiffness_{axis}"]
                 more = support.stiffness["xy".index(axis)]

@@ -1,13 +1,14 @@
 """Stiffness and mass along a rod, lumped into its joints and links; and links with their bodies.
 
 A joint stands for the rod half a link to either side of it: its spring turns as much as the rod
-bends there, 1/k = integral of ds/EI, by five Gauss points over each half. A link has the mass that
-lies on it, by five Gauss points, and the bodies that are fixed to it.
+bends there, 1/k = integral of ds/EI, by five Gauss points over each half. Before a body that
+resists turning, the half link at the end of a rod bends as well. A link has the mass that lies on
+it, by five Gauss points, and the bodies that are fixed to it.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -16,7 +17,9 @@ from numpy.typing import ArrayLike
 
 from rodgen.arrays import Array
 from rodgen.model.rod import (
+    BENT_LENGTH,
     JOINT_STIFFNESS,
+    LINK_LENGTH,
     NONUNIFORM,
     REST_ANGLE,
     REST_CURVATURE,
@@ -25,10 +28,10 @@ from rodgen.model.rod import (
 )
 from rodgen.scene.expression import Expression
 from rodgen.scene.expression_text import Numbers
-from rodgen.scene.law import Along, Law, cell_means, gauss_points
+from rodgen.scene.law import Along, Law
 from rodgen.scene.link_parts import BodyOutline, LinkPart, combine
 from rodgen.scene.literals import mass_name
-from rodgen.scene.rod_points import link_and_share
+from rodgen.scene.rod_mesh import POINTS, RodMesh, cell_means
 from rodgen.scene.structure import Structure
 from rodgen.scene.tables import SMALLEST, BodyTable, RodTable
 
@@ -48,21 +51,26 @@ class Distribution:
 
     def check(self, span: Sequence[float]) -> None:
         """Raise InputError for a stiffness or mass that is impossible at some time of the span."""
-        links, per_length = self.rod.links, self._mass_per_length
-        self._stiffness.check(links, links + 1)
+        mesh, links, per_length = self.mesh, self.rod.links, self._mass_per_length
+        self._stiffness.check(mesh, links + 1)
         if self._rest_curvature is not None:
-            self._rest_curvature.check(links, links + 1, -np.inf)
+            self._rest_curvature.check(mesh, links + 1, -np.inf)
         if per_length is not None:
-            per_length.check(links, links, SMALLEST, span)
+            per_length.check(mesh, links, SMALLEST, span)
         for law in self._body_laws:
-            law.check(links, 1, SMALLEST, span)
+            law.check(mesh, 1, SMALLEST, span)
+
+    @cached_property
+    def mesh(self) -> RodMesh:
+        """Where the joints are."""
+        return self.rod.mesh(self.numbers)
 
     @property
     def changing_masses(self) -> list[tuple[str, int, Expression]]:
         """Masses that are functions of time, with names and links; "" and -1 for those of links."""
         laws = [("", -1, self._mass_per_length)]
         laws += [
-            (body.name, link_and_share(body.at, self.rod.links)[0], law)
+            (body.name, self.mesh.link_and_share(body.at)[0], law)
             for body, law in zip(self.bodies, self._body_laws, strict=True)
         ]
         return [
@@ -105,13 +113,16 @@ class Distribution:
     def nonuniform(self) -> tuple[str, ...]:
         """Kinds of quantities that vary along the rod, keys of model.rod.NONUNIFORM; that of bodies
         includes the mass of links."""
-        differs = self.nonuniform_values
-        found = ["stiffness"] if "bending_stiffness" in differs else []
+        differs, found = self.nonuniform_values, list[str]()
+        uneven, ends = not self.mesh.is_even, bool(self._bent_ends)
+        if "bending_stiffness" in differs or uneven or ends:
+            found.append("stiffness")
         if self.bodies:
             found.append("points" if self.rod.inertia == "lumped" else "bodies")
-        elif "mass_per_length" in differs:
+        elif "mass_per_length" in differs or uneven:
             found.append("mass")
         found += ["rest"] * (self.rod.rest_curvature is not None)
+        found += ["lengths"] if uneven else ["ends"] * ends
         return tuple(found)
 
     @property
@@ -130,11 +141,12 @@ class Distribution:
         rod, per_length = self.rod, self._mass_per_length
         if per_length is None:
             assert rod.mass is not None
-            return np.full(rod.links, rod.mass / rod.links)
-        l = rod.length / rod.links
+            return self.mesh.lengths(rod.mass)
+        lengths = self.mesh.lengths(rod.length)
         if isinstance(per_length.value, list):
-            return l * np.array(per_length.value, dtype=float)
-        return l * cell_means(per_length.at(gauss_points(rod.links), self.t))
+            return lengths * np.array(per_length.value, dtype=float)
+        found: Array = lengths * cell_means(per_length.at(self.mesh.gauss_points(), self.t))
+        return found
 
     @property
     def total_link_mass(self) -> float:
@@ -150,22 +162,63 @@ class Distribution:
     def joint_stiffness(self) -> list[float]:
         """Stiffness of the spring in every joint that has one [N m/rad], from EI; in the root and
         the tail half a link bends."""
-        rod, law = self.rod, self._stiffness
-        joints, l = rod.boundary_condition.spring_joints(rod.links), rod.length / rod.links
+        law, joints = self._stiffness, self._spring_joints
         if isinstance(law.value, list):
-            size = {0: rod.boundary_condition.root, rod.links: rod.boundary_condition.tail}
-            return [size.get(at, 1) * law.value[at] / l for at in joints]
+            return [law.value[at] / self._cell_lengths[at] for at in joints]
         with np.errstate(divide="ignore", over="ignore"):
-            halves = l / 2 * cell_means(1 / law.at(gauss_points(2 * rod.links)))
-            bend = np.concatenate(([0.0], halves[1::2])) + np.concatenate((halves[::2], [0.0]))
+            bend = self._integrals(lambda s: 1 / law.at(s))
             return [float(1 / bend[at]) for at in joints]
+
+    @property
+    def _spring_joints(self) -> range:
+        """Joints with a spring."""
+        return self.rod.boundary_condition.spring_joints(self.rod.links)
+
+    @cached_property
+    def _bent_ends(self) -> list[tuple[int, float, float]]:
+        """Parts of the first and the last link that bend in the joint at its other end, beside the
+        half that always does: from its middle to a body there that resists turning. Of each the
+        joint, and both ends as numbers of the mesh."""
+        boundary, joints = self.rod.boundary_condition, self._spring_joints
+        last = self.rod.links - 1
+        turning = [body for body in self.bodies if body.inertia or any(body.offset)]
+        places = [self.mesh.link_and_share(body.at) for body in turning]
+        found = []
+        start = min((share for link, share in places if link == 0), default=0.5)
+        if start < 0.5 and 1 in joints and not boundary.root and not boundary.first:
+            found.append((1, start, 0.5))
+        end = max((share for link, share in places if link == last), default=0.5)
+        if end > 0.5 and last in joints and not boundary.tail:
+            found.append((last, last + 0.5, last + end))
+        return found
+
+    @cached_property
+    def _cell_lengths(self) -> Array:
+        """Length of the rod that bends in every joint [m], (links + 1,)."""
+        found = self.mesh.lengths_at_joints(self.rod.length)
+        for joint, *ends in self._bent_ends:
+            found[joint] += self.rod.length * np.ptp(self.mesh.at(ends))
+        return found
+
+    def _integrals(self, of: Callable[[Array], Array]) -> Array:
+        """Integrals of a function of s over the rod that bends in every joint, (links + 1,)."""
+        mesh, lengths = self.mesh, self.mesh.lengths(self.rod.length)
+        halves = np.repeat(lengths / 2, 2) * cell_means(of(mesh.gauss_points_of_halves()))
+        found = np.concatenate(([0.0], halves[1::2])) + np.concatenate((halves[::2], [0.0]))
+        for joint, *ends in self._bent_ends:
+            low, high = mesh.at(ends)
+            mean = cell_means(of(low + (high - low) * POINTS))
+            found[joint] += self.rod.length * (high - low) * mean
+        return found
 
     @property
     def joint_parameters(self) -> dict[str, list[float]]:
         """Numbers of the joints with a spring, by parameter, where they differ."""
         found: dict[str, list[float]] = {}
-        if self.stiffness is None:
+        if "stiffness" in self.nonuniform:
             found[JOINT_STIFFNESS.name] = self.joint_stiffness
+        if not {"lengths", "ends"}.isdisjoint(self.nonuniform):
+            found[BENT_LENGTH.name] = [float(self._cell_lengths[at]) for at in self._spring_joints]
         if self.rod.rest_curvature is not None:
             found[REST_ANGLE.name] = self.rest_angles
         return found
@@ -174,19 +227,16 @@ class Distribution:
     def rest_angles(self) -> list[float]:
         """Rest angle of the spring in every joint that has one [rad]: the integral of the rest
         curvature over the rod between the middles of the links, from the clamp on."""
-        rod, law = self.rod, self._rest_curvature
-        boundary = rod.boundary_condition
-        joints, half_link = boundary.spring_joints(rod.links), rod.length / rod.links / 2
+        law, first = self._rest_curvature, self.rod.boundary_condition.first
         if law is None:
-            return [0.0] * len(joints)
+            return [0.0] * len(self._spring_joints)
         if isinstance(law.value, list):
-            halves = half_link * np.repeat(law.value, 2)[1:-1]
+            turned = self._cell_lengths * law.value
         else:
-            halves = half_link * cell_means(law.at(gauss_points(2 * rod.links)))
-        turned = [halves[max(2 * at - 1, 0) : 2 * at + 1].sum() for at in joints]
-        if boundary.first:  # a held link bends in the joint that ends it
-            turned[0] = halves[: 2 * boundary.first + 1].sum()
-        return list(map(float, turned))
+            turned = self._integrals(law.at)
+        if first:  # a held link bends in the joint that ends it
+            turned[first] = turned[: first + 1].sum()
+        return [float(turned[at]) for at in self._spring_joints]
 
     @property
     def rest_shape(self) -> Array:
@@ -198,19 +248,15 @@ class Distribution:
     def mean_stiffness(self) -> float:
         """EI [N m^2]; where it varies along the rod, its mean over the inner joints, or that of the
         root of a single link."""
-        rod, even = self.rod, self.stiffness
-        if even is not None:
+        if (even := self.stiffness) is not None:
             return even
-        joints = zip(
-            rod.boundary_condition.spring_joints(rod.links), self.joint_stiffness, strict=True
-        )
-        inner = [k for at, k in joints if 0 < at < rod.links]
-        inner = inner or [k / 2 for k in self.joint_stiffness]  # the root has half a cell
-        return rod.length / rod.links * sum(inner) / max(len(inner), 1)
+        joints = list(zip(self._spring_joints, self.joint_stiffness, strict=True))
+        inner = [(at, k) for at, k in joints if 0 < at < self.rod.links] or joints
+        return float(sum(self._cell_lengths[at] * k for at, k in inner) / max(len(inner), 1))
 
     def link_parameters(self) -> dict[str, list[float]]:
-        """Mass, centre and spread of every link with its bodies, by parameter; where masses change
-        with time, of the others."""
+        """Length of every link, and its mass, centre and spread with its bodies, by parameter; of
+        masses that do not change with time, where some do."""
         rod, left_out = self.rod, {name for name, *_ in self.changing_masses}
         spread = 1 / 4 if rod.inertia == "lumped" else 1 / 12
         parts = [
@@ -221,7 +267,8 @@ class Distribution:
                 parts[link].append(part)
         rows = (STEADY[one.name] if left_out else one for one in NONUNIFORM["bodies"].parameters)
         columns = zip(*map(combine, parts), strict=True)
-        return dict(zip((one.name for one in rows), map(list, columns), strict=True))
+        found = dict(zip((one.name for one in rows), map(list, columns), strict=True))
+        return found | {LINK_LENGTH.name: self.mesh.lengths(rod.length).tolist()}
 
     @property
     def changing_mass_parameters(self) -> dict[str, float]:
@@ -240,9 +287,10 @@ class Distribution:
     @property
     def _body_parts(self) -> list[tuple[int, LinkPart]]:
         """Link of every body and what it adds there; its inertia is alike in all directions."""
-        found, l = [], self.rod.length / self.rod.links
+        found, lengths = [], self.mesh.lengths(self.rod.length)
         for body, mass in zip(self.bodies, self.body_masses, strict=True):
-            link, share = link_and_share(body.at, self.rod.links)
+            link, share = self.mesh.link_and_share(body.at)
+            l = lengths[link]
             # A live run may come to where a tank is empty.
             spread = body.inertia / (2 * mass * l**2) if mass else 0.0
             along, across = share + body.offset[0] / l, body.offset[1] / l

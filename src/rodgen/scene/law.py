@@ -13,11 +13,9 @@ from rodgen.errors import InputError
 from rodgen.scene.bounds import Field, find_out_of_bounds, with_neighbours, zeros_on_grid
 from rodgen.scene.expression import Difference, Expression, parse_expression
 from rodgen.scene.expression_text import Numbers
+from rodgen.scene.rod_mesh import RodMesh, cell_means
 
 Along = float | list[float] | str  # a number, values along the rod, or an expression in s
-GAUSS = 5
-POINTS, WEIGHTS = np.polynomial.legendre.leggauss(GAUSS)
-POINTS, WEIGHTS = (POINTS + 1) / 2, WEIGHTS / 2  # of an interval from 0 to 1
 GRID = np.linspace(0.0, 1.0, 1001)  # where an expression is looked at besides
 MOMENTS = 201  # of the span at which one in t is looked at
 CELLS = 40  # at whose points one in s and t is looked at, of a rod that has as many links
@@ -51,17 +49,17 @@ class Law:
         return is_timed and self.expression.has_variable
 
     def check(
-        self, links: int, count: int, least: float = 0.0, span: Sequence[float] = (0.0, 0.0)
+        self, mesh: RodMesh, count: int, least: float = 0.0, span: Sequence[float] = (0.0, 0.0)
     ) -> None:
         """Raise InputError for a list of another length than `count`, and for an expression that is
         not finite or below `least` at some s and some time of the span."""
         if isinstance(self.value, list) and len(self.value) != count:
-            what = "joint" if count > links else "link"
+            what = "joint" if count > mesh.links else "link"
             allowed = f"a list of {count} values, one for every {what}"
             raise InputError(self.field, self.value, allowed)
         if not isinstance(self.value, str):
             return
-        wrong = _describe_violation(self, links, (span[0], span[1]), least)
+        wrong = _describe_violation(self, mesh, (span[0], span[1]), least)
         if wrong:
             limit = {0.0: " and at least 0", -np.inf: ""}.get(least, " and above 0")
             raise InputError(self.field, self.value, f"finite{limit} {wrong}")
@@ -85,13 +83,13 @@ class Law:
             given = self.expression.evaluate(np.asarray(t, dtype=float), {"s": places})
         return np.broadcast_to(np.asarray(given, dtype=float), places.shape)
 
-    def link_values(self, links: int, t: float = 0.0) -> list[float]:
+    def link_values(self, mesh: RodMesh, t: float = 0.0) -> list[float]:
         """Value of every link: its own, or the mean. Raises InputError where that is not finite."""
         if isinstance(self.value, list):
             return self.value
         if not isinstance(self.value, str):
-            return [self.value] * links
-        places = gauss_points(links)
+            return [self.value] * mesh.links
+        places = mesh.gauss_points()
         values = self.at(places, t)
         wrong = ~np.isfinite(values)
         if wrong.any():
@@ -118,9 +116,9 @@ def _parse(text: str, field: str, numbers: Numbers, variables: str) -> Expressio
 
 
 @lru_cache(maxsize=64)
-def _describe_violation(law: Law, links: int, span: tuple[float, float], least: float) -> str:
+def _describe_violation(law: Law, mesh: RodMesh, span: tuple[float, float], least: float) -> str:
     """Words on where and when an expression is not finite or below `least`; empty if never."""
-    times, places = _sample_times(law, span), _sample_places(law, links, span)
+    times, places = _sample_times(law, span), _sample_places(law, mesh, span)
     found = find_out_of_bounds(_as_field(law, law.expression.evaluate), times, places, least)
     found = found or next(_find_poles(law, span), None)
     if found is None:
@@ -181,27 +179,17 @@ def _sample_times(law: Law, span: tuple[float, float]) -> Array:
     return np.unique(np.concatenate((grid, with_neighbours(found, *span))))
 
 
-def _sample_places(law: Law, links: int, span: tuple[float, float]) -> Array:
+def _sample_places(law: Law, mesh: RodMesh, span: tuple[float, float]) -> Array:
     """Places at which an expression is sampled, those at which links sum it up among them."""
     if "s" not in law.variables:
         return np.zeros(1)
-    grid, each = (GRID[::10], min(links, CELLS)) if law.is_time_dependent else (GRID, 2 * links)
+    grid, summed = GRID, mesh.gauss_points_of_halves()
+    if law.is_time_dependent:
+        grid, summed = GRID[::10], mesh.gauss_points()[:: mesh.links // CELLS + 1]
     e = law.expression
     fields = [_as_field(law, one) for one in (*e.corners().values(), *e.open_divisors())]
     times = {span[0], sum(span) / 2, span[1]} if law.is_time_dependent else {span[0]}
     alone = [partial(of, t) for of in fields for t in times]
     knots = e.knots() if law.variables == "s" else []
     found = with_neighbours([*zeros_on_grid(alone, grid), *knots], 0.0, 1.0)
-    return np.unique(np.concatenate((grid, gauss_points(each).ravel(), found)))
-
-
-def gauss_points(cells: int) -> Array:
-    """Places s of the Gauss points of equal cells, (cells, GAUSS)."""
-    places: Array = (np.arange(cells)[:, None] + POINTS) / cells
-    return places
-
-
-def cell_means(values: Array) -> Array:
-    """Means over cells from values at their Gauss points."""
-    means: Array = values @ WEIGHTS
-    return means
+    return np.unique(np.concatenate((grid, summed.ravel(), found)))

@@ -9,9 +9,9 @@ from typing import Any
 import numpy as np
 
 from rodgen.arrays import Array
-from rodgen.model.rod import NONUNIFORM, STEADY, changing_body_rows
-from rodgen.scene.law import GAUSS, cell_means, gauss_points
+from rodgen.model.rod import LINK_LENGTH, NONUNIFORM, STEADY, changing_body_rows
 from rodgen.scene.literals import mass_name
+from rodgen.scene.rod_mesh import GAUSS, RodMesh, cell_means
 from rodgen.scene.structure import Structure
 
 STEADY_NAMES = {one.name for one in STEADY.values()}
@@ -69,6 +69,12 @@ def combine(parts: Sequence[LinkPart]) -> tuple[float, ...]:
     )
 
 
+def mesh_of(structure: Structure, values: Mapping[str, Any]) -> RodMesh:
+    """Mesh of a rod by the parameters of its module."""
+    lengths = values.get(LINK_LENGTH.name)
+    return RodMesh(structure.n_links) if lengths is None else RodMesh.of_lengths(lengths)
+
+
 def link_parameters_at(
     structure: Structure, values: Mapping[str, Any], t: float, rates: bool = False
 ) -> dict[str, list[float]]:
@@ -86,8 +92,11 @@ def link_parameters_at(
         for link, row in enumerate(zip(*columns, strict=True)):
             parts[link].append(LinkPart(*row))
     if mass_name("") in masses:
-        density = np.broadcast_to(evaluate_mass(mass_name(""), s=gauss_points(n)), (n, GAUSS))
-        for link, mass in enumerate(values["length"] / n * cell_means(density)):
+        mesh, lengths = mesh_of(structure, values), np.full(n, values["length"] / n)
+        lengths = np.asarray(values.get(LINK_LENGTH.name, lengths))
+        density = evaluate_mass(mass_name(""), s=mesh.gauss_points())
+        means = cell_means(np.broadcast_to(density, (n, GAUSS)))
+        for link, mass in enumerate(lengths * means):
             parts[link].append(LinkPart(mass, 0.5, 0.0, 1 / 4 if lumped else 1 / 12))
     for name, link in structure.changing_bodies.items():
         along, across, spread = (values[row.name] for row in changing_body_rows(name))

@@ -12,7 +12,7 @@ from rodgen.model.term import ANY, JOINTS, LINKS, NOT_NEGATIVE, POSITIVE, Parame
 from rodgen.model.terms import TERMS
 from rodgen.scene.number_text import Expressed
 from rodgen.scene.plain_tables import get_at
-from rodgen.scene.rod_points import place_text
+from rodgen.scene.rod_mesh import RodMesh
 from rodgen.scene.tables import (
     Factors,
     Finite,
@@ -154,13 +154,13 @@ class LoadTables(Table):
         """Names of the parameters of these loads."""
         return tuple(self.key_paths)
 
-    def terms_with_places(self, links: int) -> tuple[str, ...]:
+    def terms_with_places(self, mesh: RodMesh) -> tuple[str, ...]:
         """Names of the loads with their positions on the links, or with the optional key that they
         have."""
         found, given = [], self.key_paths
         for name, keys in self.table_keys.items():
             term = TERMS[name]
-            place = place_text(getattr(get_at(self, *keys), "at", 1.0), links)
+            place = mesh.place_text(getattr(get_at(self, *keys), "at", 1.0))
             options = [one.key for one in term.parameters if one.optional and one.name in given]
             place = "+".join(dict.fromkeys(options)) or place
             found.append(f"{term.base_name}@{place}" if place else term.base_name)

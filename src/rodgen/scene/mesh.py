@@ -7,6 +7,8 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any
 
+import numpy as np
+
 from rodgen.errors import InputError
 from rodgen.model.rod import REST_CURVATURE
 from rodgen.model.term import JOINTS
@@ -93,11 +95,23 @@ def refined_tables(scene: SceneTables, links: int) -> dict[str, Any]:
     are left as they are."""
     tables: dict[str, Any] = scene.model_dump(exclude_none=True)
     tables["rod"]["links"] = links
+    if isinstance(scene.rod.joints, list):
+        tables["rod"]["joints"] = _refined_joints(scene.rod.joints, links)
     if scene.rod.spring is not None:
         tables["rod"]["spring"] = spring_law.refine(scene.rod.spring, links / scene.rod.links)
     for one in mesh_dependent_values(scene):
         set_at(tables, one.key, one.after_refinement(links / scene.rod.links))
     return tables
+
+
+def _refined_joints(joints: list[float], links: int) -> list[float]:
+    """Joints of a rod whose links are each cut in as many equal parts. Raises InputError."""
+    known = len(joints) - 1
+    if links % known:
+        allowed = f"an expression in i and n, to be had with {links} links: a list is refined to a "
+        raise InputError("rod.joints", joints, f"{allowed}multiple of its {known}")
+    every = np.arange(links + 1) * (known / links)
+    return [float(s) for s in np.interp(every, np.arange(known + 1), joints)]
 
 
 def _check_no_lists(scene: SceneTables) -> None:

@@ -11,7 +11,6 @@ from rodgen.model.terms import PARAMETERS, TERMS
 from rodgen.scene.grammar import abbreviate
 from rodgen.scene.law import Along
 from rodgen.scene.plain_tables import get_at
-from rodgen.scene.rod_points import link_and_share
 from rodgen.scene.scene import Scene
 
 
@@ -49,7 +48,9 @@ def _rod_parts(scene: Scene) -> Iterator[ModelPart]:
     yield ModelPart(f"{moving} moving link{'s' * (moving > 1)}", True, links)
     coupled = "every pair of moving links" if moving > 1 else "a single link moves"
     yield ModelPart("coupling of links in M and Q", moving > 1, coupled)
+    yield ModelPart("links of unequal length", not along.mesh.is_even, _describe_lengths(scene))
     varying = _describe_variation(along.nonuniform_values.get("bending_stiffness"))
+    varying += ", and an end bends up to a body there" * ("ends" in along.nonuniform)
     joints = f"{rod.links - 1} inner joints{varying}"
     joints = joints if rod.links > 1 else "one link has no inner joint"
     yield ModelPart("rotary springs", rod.links > 1, joints)
@@ -110,7 +111,7 @@ def _support_parts(scene: Scene) -> Iterator[ModelPart]:
 
 def _describe_point(scene: Scene, at: float) -> str:
     """Words on a point of the rod; at: its s."""
-    return f"on link {link_and_share(at, scene.rod.links)[0]}, at s = {at:g}"
+    return f"on link {scene.mesh.link_and_share(at)[0]}, at s = {at:g}"
 
 
 def describe_along(value: Along | None) -> str:
@@ -118,6 +119,16 @@ def describe_along(value: Along | None) -> str:
     if isinstance(value, list):
         return f"{min(value):g} to {max(value):g}"
     return abbreviate(value) if isinstance(value, str) else f"{value or 0.0:g}"
+
+
+def _describe_lengths(scene: Scene) -> str:
+    """Words on the lengths of the links."""
+    lengths = scene.mesh.lengths(scene.rod.length)
+    if scene.mesh.is_even:
+        return f"{lengths[0]:.6g} m each"
+    joints = scene.rod.joints
+    law = f": joints at {abbreviate(joints)}" if isinstance(joints, str) else ""
+    return f"{lengths.min():.6g} to {lengths.max():.6g} m{law}"
 
 
 def _describe_variation(law: Along | None) -> str:

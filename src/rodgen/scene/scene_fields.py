@@ -24,6 +24,7 @@ from rodgen.scene.load_tables import Loads
 from rodgen.scene.lookup_table import MOST_ROWS, LookupTable, parse_table
 from rodgen.scene.number_text import Expressed
 from rodgen.scene.plain_tables import to_plain
+from rodgen.scene.rod_mesh import RodMesh
 from rodgen.scene.tables import (
     BodyTable,
     Finite,
@@ -123,6 +124,11 @@ class SceneFields(Table):
     def n_fixed_links(self) -> int:
         """Number of links at the start of the rod that do not move."""
         return self.boundary_condition.first
+
+    @property
+    def mesh(self) -> RodMesh:
+        """Where the joints of the rod are."""
+        return self.rod.mesh(self._numbers)
 
     @cached_property
     def _numbers(self) -> Numbers:

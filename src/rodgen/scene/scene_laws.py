@@ -76,7 +76,7 @@ class SceneLaws(SceneFields):
         t: the time [s].
         """
         laws = {name: self._law(name) for name in self.loads_along_rod}
-        return {name: law.link_values(self.rod.links, t) for name, law in laws.items()}
+        return {name: law.link_values(self.mesh, t) for name, law in laws.items()}
 
     def _state_rate(self, name: str) -> Expression:
         """Expression of the rate of an added state."""
@@ -174,7 +174,7 @@ class SceneLaws(SceneFields):
         along = self.distribution
         spring = (law, tuple(along.joint_stiffness), tuple(along.rest_angles)) if law else None
         base = tuple(e for name, e in self.expressions.items() if name in self._base_values)
-        return TimeLaws(start, end, single, spread, rates, masses, self.rod.links, spring, base)
+        return TimeLaws(start, end, single, spread, rates, masses, self.mesh, spring, base)
 
     def breaks(self) -> list[float]:
         """Break points: times inside the span [s] at which a load, the rate of a state or a mass is

@@ -66,15 +66,22 @@ class SceneTables(SceneLaws):
         if self.initial.phi == REST in self.numbers:
             allowed = f'another name: initial.phi = "{REST}" is the shape without load'
             raise InputError(f"parameters.{REST}", self.numbers[REST], allowed)
+        check_events(self.events, self.rod, self.states)
+        check_bodies(self.bodies, self.rod, self.mesh)
+        self._check_mesh()
+        self._check_span()
         self._initial_values("phi")
         self._initial_values("omega")
-        check_events(self.events, self.rod, self.states)
-        check_bodies(self.bodies, self.rod)
-        self._check_span()
         self.anchors.check()
         if self.spring_law is not None and not np.any(self.distribution.joint_stiffness):
             raise InputError(spring_law.FIELD, self.rod.spring, "absent: no joint has a stiffness")
         return self
+
+    def _check_mesh(self) -> None:
+        """Raise InputError for damping that knows links of equal length alone."""
+        for name in self.loads.parameters:
+            if PARAMETERS[name].by_mass and not self.mesh.is_even:
+                raise InputError(self.key_of(name), self.loads.value(name), st.EQUAL_LINKS)
 
     def _check_span(self) -> None:
         """Raise InputError for loads, stiffness or masses that are impossible within the span."""
@@ -101,12 +108,12 @@ class SceneTables(SceneLaws):
     def _load_value(self, name: str) -> Any:
         """Value of a parameter of a load or of the base: a number, or those of all joints or links;
         None for one that changes with time."""
-        value, text, links = self.given_value(name), self.expression(name), self.rod.links
+        value, text = self.given_value(name), self.expression(name)
         if isinstance(value, FinFactor):
-            return value.values(links)
+            return value.values(self.rod.links)
         if PARAMETERS[name].each == LINKS:
             law, start = self._law(name), self.integrate.span[0]
-            return None if law.is_time_dependent else law.link_values(links, start)
+            return None if law.is_time_dependent else law.link_values(self.mesh, start)
         # A text without t is a number like any other.
         return value if text is None else float(text(0.0)) if text.is_constant else None
 
@@ -125,7 +132,7 @@ class SceneTables(SceneLaws):
         rates = tuple(
             (name, parametrise(e, f"{name}_rate")) for name, e in self.state_rates.items()
         )
-        terms = self.loads.terms_with_places(rod.links) + self.anchors.terms
+        terms = self.loads.terms_with_places(self.mesh) + self.anchors.terms
         terms += () if self.base is None else (f"{MOVING_BASE}@{'+'.join(self.base.keys)}",)
         what = rod.links, rod.boundary, rod.inertia, terms
         sprung = parametrise(self.spring_law, spring_law.NAME) if self.spring_law else ""
@@ -134,7 +141,17 @@ class SceneTables(SceneLaws):
             (name, link, parametrise(e, mass_name(name))) for name, link, e in along.changing_masses
         )
         tables = ((name, len(of)) for name, of in values.items() if isinstance(of, TableData))
-        return st.Structure(*what, texts, along.nonuniform, rates, sprung, masses, tuple(tables))
+        given = texts, along.nonuniform, rates, sprung, masses, tuple(tables)
+        return st.Structure(*what, *given, sensor_places=self._sensor_places)
+
+    @property
+    def _sensor_places(self) -> tuple[tuple[str, str], ...]:
+        """Places on the links of the sensors, by their s, where links differ in length."""
+        if self.mesh.is_even:
+            return ()
+        laws = (*self.expressions.values(), *self.state_rates.values())
+        places = {of.at for e in laws for of in e.sensors}
+        return tuple((repr(s), self.mesh.place_text(s)) for s in sorted(places))
 
     @property
     def anchors(self) -> Anchors:

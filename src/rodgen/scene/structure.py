@@ -16,6 +16,7 @@ from rodgen.errors import InputError
 from rodgen.model.rod import (
     BOUNDARIES,
     INERTIAS,
+    LINK_LENGTH,
     MASS_WAYS,
     NONUNIFORM,
     ROD,
@@ -37,8 +38,18 @@ from rodgen.scene.expression import Expression, open_expression
 from rodgen.scene.grammar import Sensor, TableData
 from rodgen.scene.literals import check_name, mass_name, number_parameter, table_parameter
 from rodgen.scene.plain_tables import to_plain
-from rodgen.scene.term_texts import check_choice, check_links, check_term, sort_terms
+from rodgen.scene.rod_mesh import RodMesh
+from rodgen.scene.term_texts import (
+    check_choice,
+    check_links,
+    check_place,
+    check_term,
+    sort_terms,
+)
 
+# What the thesis's damping of a rod whose links differ has to be.
+EQUAL_LINKS = "absent: the thesis's damping is that of links of equal length, material_damping and "
+EQUAL_LINKS += "viscous_drag are of any"
 LONGEST = 150  # letters of loads in the name of a module, which is one of files
 
 
@@ -54,7 +65,8 @@ class Structure:
     states by name, with their rates as such text; spring: law of the springs as such text, "" for
     the moment k d; masses: masses that are functions of time, as such text, by name of the body and
     its link ("" and -1 for the links themselves); tables: how many rows those tables have whose
-    numbers are not in these texts, by name.
+    numbers are not in these texts, by name; sensor_places: where links differ in length, on which
+    of them the sensors are, as places of loads, by their s.
 
     Examples
     --------
@@ -78,6 +90,7 @@ class Structure:
     spring: str = ""
     masses: tuple[tuple[str, int, str], ...] = ()
     tables: tuple[tuple[str, int], ...] = ()
+    sensor_places: tuple[tuple[str, str], ...] = ()
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "n_links", to_plain(self.n_links, "links"))
@@ -98,6 +111,7 @@ class Structure:
         for what, inertia in (("bodies", "uniform"), ("points", "lumped")):
             if what in self.nonuniform and self.inertia != inertia:
                 raise InputError("nonuniform", what, f"absent for inertia {self.inertia}")
+        self._check_lengths(weighed)
         check_links(self.n_links, self.boundary)
         ordered = sort_terms(self.terms)
         if ordered != self.terms:
@@ -116,6 +130,22 @@ class Structure:
             allowed = f"the rows, at least 2, of {', '.join(named) or 'no table'}"
             raise InputError("tables", self.tables, allowed)
         object.__setattr__(self, "tables", tuple((name, rows[name]) for name in named))
+
+    def _check_lengths(self, weighed: list[str]) -> None:
+        """Raise InputError for links of unequal length without masses or springs of their own, with
+        the thesis's damping, or with sensors of which the link is not known."""
+        if "lengths" not in self.nonuniform:
+            return
+        if "stiffness" not in self.nonuniform or not weighed:
+            allowed = "with stiffness, and with mass, bodies or points, beside lengths"
+            raise InputError("nonuniform", self.nonuniform, allowed)
+        for term in self.load_rows.values():
+            if any(one.by_mass for one in term.parameters):
+                raise InputError("terms", term.name, EQUAL_LINKS)
+        if missing := {repr(of.at) for of in self.sensors} - dict(self.sensor_places).keys():
+            raise InputError("sensor_places", self.sensor_places, f"a place for s = {min(missing)}")
+        for _, place in self.sensor_places:
+            check_place(place, self.n_links, "sensor_places")
 
     def __repr__(self) -> str:
         """Text with the fields that differ from their defaults."""
@@ -183,6 +213,14 @@ class Structure:
         """Expressions with names in place of their numbers, by parameter."""
         texts = ((name, text) for name, text in self.expressions if not PARAMETERS[name].is_array)
         return {name: open_expression(text, "t", self.state_names, name) for name, text in texts}
+
+    def mesh(self, p: NDArray[np.float64]) -> RodMesh:
+        """Where the joints of one rod are.
+
+        p: its parameters, (width,) in SI units.
+        """
+        place = self.slices.get(LINK_LENGTH.name)
+        return RodMesh(self.n_links) if place is None else RodMesh.of_lengths(p[place].tolist())
 
     def expression_values(self, p: NDArray[np.float64]) -> dict[str, Any]:
         """Numbers and tables in the expressions of one rod, by name.
@@ -349,7 +387,7 @@ class Structure:
         """Content hash: equal for scenes that need the same code."""
         content: list[object] = [self.n_links, self.boundary, self.inertia, self.terms]
         content += [self.expressions, *([self.nonuniform] if self.nonuniform else [])]
-        later = ("states", "spring", "masses", "tables")
+        later = ("states", "spring", "masses", "tables", "sensor_places")
         content += [{name: getattr(self, name)} for name in later if getattr(self, name)]
         return hashlib.sha256(json.dumps(content).encode()).hexdigest()[:16]
 

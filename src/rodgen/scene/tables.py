@@ -23,7 +23,7 @@ from rodgen.scene.expression_text import Numbers
 from rodgen.scene.law import Law
 from rodgen.scene.number_text import AS_TEXTS, Expressed, to_texts
 from rodgen.scene.plain_tables import AGAIN, make_immutable
-from rodgen.scene.rod_points import link_and_share
+from rodgen.scene.rod_mesh import RodMesh
 from rodgen.scene.term_texts import check_choice, check_links
 from rodgen.scene.validation import to_input_error
 
@@ -140,6 +140,11 @@ class RodTable(Table):
     """The rod, of rigid links that are joined by rotary springs."""
 
     links: int = Field(description="number of rigid links, 1 to 1000000 (2 for `cantilever`)")
+    joints: Values | str | None = Field(
+        default=None,
+        description="s of the joints, from 0 to 1: n + 1 values, or an expression in `i`, the "
+        "number of a joint, and `n`, that of the links; without it all links are equally long",
+    )
     length: Expressed[Size] = Field(description="length of the whole rod [m]")
     bending_stiffness: NotNegative | Factors | str = Field(
         description="EI [N m^2]: a number, an expression in s, or n + 1 values, one for every joint"
@@ -197,6 +202,10 @@ class RodTable(Table):
         """Boundary condition at its start."""
         return BOUNDARIES[self.boundary]
 
+    def mesh(self, numbers: Numbers) -> RodMesh:
+        """Where its joints are; numbers: values of the names in expressions. Raises InputError."""
+        return RodMesh.parse(self.links, self.joints, numbers)
+
 
 class BodyTable(Table):
     """A rigid body, fixed to the link on which its s lies."""
@@ -223,7 +232,7 @@ class BodyTable(Table):
         return self
 
 
-def check_bodies(bodies: list[BodyTable], rod: RodTable) -> None:
+def check_bodies(bodies: list[BodyTable], rod: RodTable, mesh: RodMesh) -> None:
     """Raise InputError unless every body has a name of its own and a place on the rod."""
     first: dict[str, int] = {}
     for i, body in enumerate(bodies):
@@ -233,8 +242,9 @@ def check_bodies(bodies: list[BodyTable], rod: RodTable) -> None:
         if rod.inertia != "lumped":
             continue
         why = "of inertia lumped, whose links have no mass but at their ends"
-        if link_and_share(body.at, rod.links)[1] not in (0, 1):
-            allowed = f"at a joint, a multiple of 1/{rod.links}, on a rod {why}"
+        if mesh.link_and_share(body.at)[1] not in (0, 1):
+            where = f"a multiple of 1/{rod.links}" if mesh.is_even else "one of rod.joints"
+            allowed = f"at a joint, {where}, on a rod {why}"
             raise InputError(f"bodies[{i}].at", body.at, allowed)
         for key, value in (("inertia", body.inertia), ("offset", body.offset)):
             if np.any(value):
@@ -337,8 +347,7 @@ class InitialTable(Table):
     ) -> NDArray[np.float64]:
         """Initial angles or rates, by the key, of the moving links; numbers: values of the names in
         expressions; default: of all, where none are given. Raises InputError."""
-        n, field = rod.links, f"initial.{name}"
-        links = np.arange(rod.boundary_condition.first, n)
+        field, links = f"initial.{name}", np.arange(rod.boundary_condition.first, rod.links)
         value = getattr(self, name)
         if value is None:  # at rest and straight, along the clamp where there is one
             value = default
@@ -347,7 +356,7 @@ class InitialTable(Table):
                 allowed = f"a list of {len(links)} values, one for every moving link"
                 raise InputError(field, to_texts(value), allowed)
             return np.array(value, dtype=float)
-        values = Law(value, field, numbers).at((links + 0.5) / n)
+        values = Law(value, field, numbers).at(rod.mesh(numbers).middles[links])
         wrong = links[~np.isfinite(values)]
         if len(wrong):
             raise InputError(field, value, f"finite at every link (not at link {wrong[0]})")

@@ -65,10 +65,21 @@ def check_term(text: str, links: int, boundary: Boundary) -> None:
         return
     if not TERMS[kind].placed:
         raise InputError("terms", text, f"{kind}, which has no place")
-    found = PLACE.fullmatch(place)
-    if not (found and int(found[1]) < links and Fraction(found[2] or 0) < 1):
-        allowed = f"{kind}@link or {kind}@link+share, of a load at a point of one of {links} links"
+    allowed = f"{kind}@link or {kind}@link+share, of a load at a point of one of {links} links"
+    if not _is_place(place, links):
         raise InputError("terms", text, allowed)
+
+
+def check_place(place: str, links: int, field: str) -> None:
+    """Raise InputError for a place that is not one of a link, as 6+1/10, or of the tail, as ""."""
+    if place and not _is_place(place, links):
+        raise InputError(field, place, f"link or link+share, of a point of one of {links} links")
+
+
+def _is_place(place: str, links: int) -> bool:
+    """Whether a text is a point of a link before its end."""
+    found = PLACE.fullmatch(place)
+    return bool(found and int(found[1]) < links and Fraction(found[2] or 0) < 1)
 
 
 def _choices(keys: Sequence[str]) -> Iterable[tuple[str, ...]]:

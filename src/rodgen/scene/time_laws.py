@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from rodgen.errors import InputError, shorten
 from rodgen.scene.expression import Difference, Expression
-from rodgen.scene.law import gauss_points
+from rodgen.scene.rod_mesh import RodMesh
 from rodgen.scene.spring_law import STIFFNESS
 from rodgen.scene.spring_law import parse_spring_law as spring_law
 from rodgen.scene.structure import Structure
@@ -76,7 +76,7 @@ class TimeLaws:
     """The expressions of a scene from start to end [s].
 
     single: loads of one number, by time or by the motion; along: loads that may differ from link to
-    link; rates: of states; masses: of links and bodies; links: their number; spring: the law of the
+    link; rates: of states; masses: of links and bodies; mesh: where links are; spring: law of the
     springs, their stiffness, and the bends at which they are at rest; base: those of `single` that
     move what holds the rod.
     """
@@ -87,7 +87,7 @@ class TimeLaws:
     along: tuple[Expression, ...]
     rates: tuple[Expression, ...]
     masses: tuple[Expression, ...]
-    links: int
+    mesh: RodMesh
     spring: tuple[Expression, tuple[float, ...], tuple[float, ...]] | None = None
     base: tuple[Expression, ...] = ()
 
@@ -96,12 +96,13 @@ class TimeLaws:
         cls,
         structure: Structure,
         numbers: Mapping[str, float],
+        mesh: RodMesh,
         start: float,
         end: float,
         springs: tuple[tuple[float, ...], tuple[float, ...]] = ((), ()),
     ) -> Self:
-        """Expressions of a structure, with values of their numbers by name; springs: stiffness and
-        rest angles, where their law is not smooth."""
+        """Expressions of a structure, with values of their numbers by name; mesh: where links are;
+        springs: stiffness and rest angles, where their law is not smooth."""
 
         def with_numbers(of: Mapping[str, Expression]) -> tuple[Expression, ...]:
             return tuple(e.with_values(numbers) for e in of.values())
@@ -116,7 +117,7 @@ class TimeLaws:
             spring = law, *springs
         moving = {name: of for name, of in groups[0].items() if name in structure.base_parameters}
         base = with_numbers(moving)
-        return cls(start, end, single, along, rates, masses, structure.n_links, spring, base)
+        return cls(start, end, single, along, rates, masses, mesh, spring, base)
 
     @property
     def expressions(self) -> tuple[Expression, ...]:
@@ -184,7 +185,7 @@ class TimeLaws:
         for e, at, near in self._blows() if self.masses else ():
             for mass in self.masses:
                 both = np.array([[at - near], [at + near]])
-                sides = mass.evaluate(both, {"s": gauss_points(self.links).ravel()})
+                sides = mass.evaluate(both, {"s": self.mesh.gauss_points().ravel()})
                 if np.ptp(sides, axis=0).max() > SAME * np.abs(sides).max():
                     allowed = (
                         f"of a velocity that does not jump when a mass does ({mass.field}, at "
@@ -213,7 +214,7 @@ class TimeLaws:
     def _front_times(self) -> tuple[float, ...]:
         """Times at which a break point that moves along the rod passes a quadrature point; none
         where they are too many."""
-        found = (_passing_times(e, self.links, self.start, self.end) for e in self._spread)
+        found = (_passing_times(e, self.mesh, self.start, self.end) for e in self._spread)
         times = [at for some in found for at in some or ()]
         return tuple(times) if len(times) <= MOST_FRONTS else ()
 
@@ -222,7 +223,7 @@ class TimeLaws:
         return [
             e
             for e in self._spread
-            if (passing := _passing_times(e, self.links, self.start, self.end)) is None
+            if (passing := _passing_times(e, self.mesh, self.start, self.end)) is None
             or (passing and not self._front_times)
         ]
 
@@ -256,10 +257,12 @@ class TimeLaws:
 
 
 @lru_cache(maxsize=64)
-def _passing_times(e: Expression, links: int, start: float, end: float) -> tuple[float, ...] | None:
+def _passing_times(
+    e: Expression, mesh: RodMesh, start: float, end: float
+) -> tuple[float, ...] | None:
     """Times at which an expression of s and t is not smooth at a quadrature point of a link; None
     where they are too many to be found."""
-    places = gauss_points(links).ravel()
+    places = mesh.gauss_points().ravel()
     found: set[float] = set()
     for difference in e.switches().values():
 

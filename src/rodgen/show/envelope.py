@@ -52,7 +52,7 @@ def _along(solution: Solution, quantity: Quantity) -> tuple[Array, Array]:
     """Return where along the rod a quantity is, (k,), and its values there, (T, k)."""
     scene = solution.scene
     found = [*numbers(quantity, scene.boundary_condition, scene.rod.links)]
-    s = np.array([one.along for one in found], dtype=float)
+    s = scene.mesh.at(np.array([one.along for one in found], dtype=float))
     if not len(found):
         return s, np.zeros((len(solution.t), 0))
     return s, solution.values(quantity.name)[:, [one.at[0] for one in found]]

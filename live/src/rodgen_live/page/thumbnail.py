@@ -13,7 +13,7 @@ from rodgen.integrate.weights import fall_of
 from rodgen.model.term import COUPLE, FORCE, SPREAD, WEIGHT, Term
 from rodgen.scene import Scene
 from rodgen.scene.plain_tables import get_at
-from rodgen.scene.rod_points import link_and_share
+from rodgen.scene.rod_mesh import RodMesh
 from rodgen.show.canvas import ROD
 from rodgen.show.marks import base_at, curved_arrow, draw_marks
 
@@ -49,11 +49,12 @@ def thumbnail(scene: Scene) -> bytes:
 
 def joints_at_start(scene: Scene) -> Array:
     """Positions of the joints at the start [m], (links + 1, 2)."""
-    y, boundary, rod = scene.initial_state(), scene.boundary_condition, scene.rod
+    y, boundary = scene.initial_state(), scene.boundary_condition
     free = 2 * boundary.translates
     held = [base_at(scene)[1]] * boundary.first
     phi = np.concatenate((held, y[free : (len(y) - len(scene.states)) // 2]))
-    links = rod.length / rod.links * np.stack((np.cos(phi), np.sin(phi)), axis=-1)
+    lengths = scene.mesh.lengths(scene.rod.length)[:, None]
+    links = lengths * np.stack((np.cos(phi), np.sin(phi)), axis=-1)
     return scene.anchors.start + np.cumsum(np.vstack((np.zeros(2), links)), axis=0)
 
 
@@ -66,7 +67,7 @@ def _arrows(scene: Scene, term: Term, joints: Array, point: float) -> Iterator[S
     if term.kind == SPREAD:
         nu = angle if isinstance(angle := getattr(table, "angle", None), float) else 0.0
         for share in ALONG:
-            place, along = _point_at(share, joints)
+            place, along = _point_at(scene.mesh, share, joints)
             push = -0.6 * size * (np.cos(nu) * along + np.sin(nu) * along @ LEFT)
             start = place + point * ASIDE * np.cos(nu) * along @ LEFT - abs(np.sin(nu)) * push
             yield start, start + push
@@ -74,7 +75,7 @@ def _arrows(scene: Scene, term: Term, joints: Array, point: float) -> Iterator[S
         middle, fall = joints.mean(axis=0), fall_of(term, sizes.__getitem__)
         yield middle, middle + size * fall / (np.linalg.norm(fall) or 1.0)
     elif term.kind in (FORCE, COUPLE):
-        place, along = _point_at(getattr(table, "at", 1.0), joints)
+        place, along = _point_at(scene.mesh, getattr(table, "at", 1.0), joints)
         pull = np.array([*sizes.values()])
         if term.kind == COUPLE:
             yield [*(place + curved_arrow(0.4 * size, np.sign(pull[0]))[:-3])]
@@ -83,8 +84,8 @@ def _arrows(scene: Scene, term: Term, joints: Array, point: float) -> Iterator[S
         yield (place - pull, place) if pull @ along < 0 else (place, place + pull)
 
 
-def _point_at(share: float, joints: Array) -> tuple[Array, Array]:
+def _point_at(mesh: RodMesh, share: float, joints: Array) -> tuple[Array, Array]:
     """A point of the rod [m], and the direction of its link."""
-    link, part = link_and_share(share, len(joints) - 1)
+    link, part = mesh.link_and_share(share)
     step = joints[link + 1] - joints[link]
     return joints[link] + part * step, step / np.linalg.norm(step)
