@@ -6,15 +6,15 @@ from typing import Any
 from sympy import Expr, IndexedBase, Rational, Symbol, symbols
 
 from rodgen.model import terms
-from rodgen.model.term import Parameter
+from rodgen.model.term import POSITIVE, Parameter
 
 
 def _symbol(row: Parameter) -> Symbol | IndexedBase:
     """The symbol of a parameter; an array where it differs by joint or link."""
     if not row.is_array:
         return Symbol(row.name, real=True)
-    rule = {"real": True} if row.is_signed else {"nonnegative": True}
-    return IndexedBase(row.name, **rule)
+    rule = "real" if row.is_signed else "positive" if row.rule == POSITIVE else "nonnegative"
+    return IndexedBase(row.name, **{rule: True})
 
 
 class _Symbols(dict[str, Any]):

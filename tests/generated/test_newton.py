@@ -51,6 +51,10 @@ BORDERED = [
     Structure(2, "pinned", "uniform", ("tip_load",), (("tip_force_y", "omega(1) * y(1)"),)),
     Structure(2, "clamped", "uniform", (), (), states=(("alone", "phi(1) - alone"),)),
 ]
+# Links that differ, whose lengths weigh the direction of the rod at their joints.
+UNEQUAL = Structure(
+    4, "free", terms=("viscous_drag", "gravity"), nonuniform=("stiffness", "mass", "lengths")
+)
 # Of the size of the rates, so that neither sigma nor J alone decides.
 REAL, PAIR = 7.5, 3.0 + 20.0j
 
@@ -66,7 +70,11 @@ def _compiled(files: dict[str, str], folder: Path) -> tuple[ctypes.CDLL, str]:
 
 @pytest.mark.parametrize(
     "structure",
-    sets([SMALL[3], SMALL[4], BORDERED[1]], [*HELD[:3], BORDERED[0]], [*HELD[3:], *BORDERED[2:]]),
+    sets(
+        [SMALL[3], SMALL[4], BORDERED[1], UNEQUAL],
+        [*HELD[:3], BORDERED[0]],
+        [*HELD[3:], *BORDERED[2:]],
+    ),
     ids=short,
 )
 def test_solve_is_that_of_the_exact_jacobian(

@@ -11,6 +11,7 @@ from rodgen.analyse.extrapolation import find_unlike_damping
 from rodgen.model.rod import BOUNDARIES
 from rodgen.scene import Scene
 from rodgen.scene.mesh import mesh_notes
+from rodgen.scene.rod_mesh import RodMesh
 from tests.told import numbers, refused
 
 ROD = {"links": 4, "length": 2.0, "bending_stiffness": 3.0, "mass": 5.0}
@@ -91,6 +92,68 @@ def test_what_is_given_link_by_link_is_refused() -> None:
     assert refused(fins.with_links, 8)[:2] == ("loads.external_damping.fin_factor", [1.0] * 5)
     for links in (0, -3, 2.5, True, 10**7, "8"):
         assert refused(_scene(INSIDE).with_links, links)[:2] == ("links", links)
+
+
+@pytest.mark.parametrize("links", [8, 12])
+def test_links_of_a_list_are_cut_into_equal_parts(links: int) -> None:
+    """Masses and lengths of the parts add up to those of the link."""
+    joints = [0.0, 0.1, 0.3, 0.7, 1.0]
+    one = Scene.from_dict({"name": "rod", "rod": ROD | {"joints": joints}})
+    other, parts = one.with_links(links), links // 4
+    for name in ("link_length", "link_mass"):
+        here, there = (np.array(scene.parameters[name]) for scene in (one, other))
+        np.testing.assert_allclose(there, np.repeat(here / parts, parts), rtol=1e-12)
+    assert refused(one.with_links, links + 1)[:2] == ("rod.joints", joints)
+
+
+def test_an_expression_places_any_number_of_joints() -> None:
+    one = Scene.from_dict(
+        {"name": "rod", "rod": ROD | {"joints": "(i/n)**power"}, "parameters": {"power": 2}}
+    )
+    for links in (3, 8):
+        places = one.with_links(links).mesh.places
+        np.testing.assert_allclose(places, (np.arange(links + 1) / links) ** 2, atol=1e-15)
+
+
+@pytest.mark.parametrize(
+    "joints",
+    [
+        [0.0, 0.5, 1.0],  # as many as of two links
+        [0.0, 0.5, 0.25, 0.75, 1.0],
+        [0.0, 0.25, 0.25, 0.75, 1.0],
+        [0.1, 0.25, 0.5, 0.75, 1.0],
+        [0.0, 0.25, 0.5, 0.75, 1.1],
+        "i/n + 0.1",
+        "1 - i/n",
+        "(i/n)**20",
+        "log(i/n)",
+        "i/m",
+        "s",
+    ],
+)
+def test_joints_that_no_rod_has_are_refused(joints: Any) -> None:
+    table = {"name": "rod", "rod": ROD | {"joints": joints}}
+    assert refused(Scene.from_dict, table)[:2] == ("rod.joints", joints)
+
+
+def test_numbers_called_as_those_of_joints_are_refused() -> None:
+    table = {"name": "rod", "rod": ROD | {"joints": "(i/n)**2"}, "parameters": {"n": 3.0}}
+    assert refused(Scene.from_dict, table)[:2] == ("parameters.n", 3.0)
+
+
+@pytest.mark.parametrize("loads", [INSIDE, FINS])
+def test_damping_of_equal_links_is_refused_for_others(loads: dict[str, Any]) -> None:
+    (name,) = loads
+    table = {"name": "rod", "rod": ROD | {"joints": "(i/n)**2"}, "loads": loads}
+    assert refused(Scene.from_dict, table).field == f"loads.{name}.coefficient"
+
+
+def test_points_lie_on_links_by_their_places() -> None:
+    mesh = RodMesh(4, (0.0, 0.1, 0.3, 0.7, 1.0))
+    for s, place in ((0.0, "0"), (0.05, "0+1/2"), (0.1, "1"), (0.6, "2+3/4"), (1.0, "")):
+        assert mesh.place_text(s) == place
+    np.testing.assert_allclose(mesh.middles, [0.05, 0.2, 0.5, 0.85])
+    np.testing.assert_allclose(mesh.lengths_at_joints(2.0), [0.1, 0.3, 0.6, 0.7, 0.3])
 
 
 def test_damping_that_was_not_converted_is_found() -> None:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from contextlib import suppress
 from dataclasses import dataclass
 from typing import Any
 
@@ -14,14 +13,13 @@ from rodgen.analyse.pencil import (
     BlockPencil,
     DensePencil,
     MatrixPencil,
-    first_order_matrix,
     product,
 )
 from rodgen.arrays import Array
 from rodgen.errors import AnalysisError
 
-ZERO = 1e-7  # of the largest frequency: zero, and the square root of rounding
-LEAST = 1e-13  # of the largest |s|
+ZERO = 1e-6  # of a slow rate: zero, of a rigid motion the square root of rounding
+MOST_SINGULAR = 1e12  # condition of a matrix that is regular
 SPARE = 8  # eigenvalues beyond those asked for
 MOST_DENSE = 500  # links of which all eigenvalues are computed where that is the last resort
 ENOUGH = 1e-9  # of the inverse of what is sought: its error where a sign is asked for
@@ -42,12 +40,8 @@ class EigenSolution:
 def all_eigenvalues(pencil: BlockPencil | DensePencil, turns: bool = False) -> EigenSolution:
     """Compute every eigenvalue, in O(n^3). turns: the rod turns freely, with eigenvalue zero."""
     dense = pencil.to_dense()
-    if dense.added:
-        s, vectors = np.linalg.eig(first_order_matrix(*dense.parts, dense.added))
-        own = dense.size - dense.added
-        return _drop_zeros(_upper_half_plane(s.astype(complex), vectors[:own].astype(complex)))
-    if isinstance(pencil, DensePencil):  # external damping, which leaves zeros of rigid motions
-        return _drop_zeros(_solve_dense(dense, singular=True))
+    if isinstance(pencil, DensePencil):  # which may have zeros of rigid motions
+        return _drop_zeros(_solve_dense(dense), _slow_rate(dense))
     if not turns:
         return _solve_dense(dense)
     # Virtual work on turning is s^2 (M turn) a: motions orthogonal to M turn are without it.
@@ -60,21 +54,42 @@ def all_eigenvalues(pencil: BlockPencil | DensePencil, turns: bool = False) -> E
     return EigenSolution(s, angles - pull / (s * s * (turn @ dense.S2 @ turn)))
 
 
-def _solve_dense(dense: DensePencil, singular: bool = False) -> EigenSolution:
-    """Solve a dense pencil, by the inverse where K is regular: slow motions keep their digits."""
+def _solve_dense(dense: DensePencil) -> EigenSolution:
+    """Solve a dense pencil by its inverse, in which slow motions keep their digits beside fast
+    ones: that of the stiffness or, where this is singular, of the pencil at a slow rate."""
     if not dense.size:
         return EigenSolution(np.zeros(0, dtype=complex), np.zeros((0, 0), dtype=complex))
-    if not singular:
-        with suppress(np.linalg.LinAlgError):
-            if not dense.is_damped:
-                squares, columns = np.linalg.eig(np.linalg.solve(dense.S0, -dense.S2))
-                return EigenSolution(square_roots(1 / squares), columns.astype(complex))
-            inverse, vectors = _companion(dense.S0, dense.S1, dense.S2)
-            return _upper_half_plane(1 / inverse, vectors)
-    if not dense.is_damped:
-        squares, columns = np.linalg.eig(np.linalg.solve(dense.S2, -dense.S0))
-        return EigenSolution(square_roots(squares), columns.astype(complex))
-    return _upper_half_plane(*_companion(dense.S2, dense.S1, dense.S0))
+    shift = 0.0 if _is_regular(dense.S0) else _slow_rate(dense)
+    own = dense.size - dense.added
+    if not (dense.is_damped or dense.added):
+        z, vectors = np.linalg.eig(np.linalg.solve(dense.at(shift), -dense.S2))
+        s = square_roots(shift**2 + 1 / z)
+        return EigenSolution(s, vectors.astype(complex))
+    z, vectors = _companion(dense.at(shift), dense.derivative(shift), dense.S2)
+    finite = np.argsort(np.abs(z))[dense.added :]  # an added state has no inertia
+    s = shift + 1 / z[finite]
+    return _upper_half_plane(s, vectors[:own, finite])
+
+
+def _is_regular(S: Array) -> bool:
+    """Whether a matrix is regular, apart from the sizes of its rows and columns."""
+    rows = np.abs(S).max(axis=1, keepdims=True)
+    if not rows.all():
+        return False
+    columns = np.abs(S / rows).max(axis=0)
+    return bool(columns.all() and np.linalg.cond(S / rows / columns) < MOST_SINGULAR)
+
+
+def _slow_rate(dense: DensePencil) -> float:
+    """Rate of a slow motion [1/s]: that of a rod which bends evenly or, where nothing resists that,
+    of the matrices; 1 of an empty pencil."""
+    if not dense.size:
+        return 1.0
+    own = dense.size - dense.added
+    K, M = dense.S0[:own, :own], dense.S2[:own, :own]
+    bend = np.linspace(0.0, 1.0, own)
+    found = abs(bend @ K @ bend) / (bend @ M @ bend) or np.linalg.norm(K) / np.linalg.norm(M)
+    return float(np.sqrt(found)) or 1.0
 
 
 def _companion(last: Array, middle: Array, first: Array) -> tuple[Complex, Complex]:
@@ -219,10 +234,9 @@ def all_shapes(dense: DensePencil) -> tuple[Array, Array]:
     return squares, found
 
 
-def _drop_zeros(found: EigenSolution) -> EigenSolution:
-    size = np.abs(found.s)
-    least = ZERO * np.abs(found.s.imag).max(initial=0.0) + LEAST * size.max(initial=0.0)
-    here = size > least
+def _drop_zeros(found: EigenSolution, rate: float) -> EigenSolution:
+    """Drop eigenvalues that are zero but for rounding, beside a slow rate [1/s]."""
+    here = np.abs(found.s) > ZERO * rate
     return EigenSolution(found.s[here], found.vectors[:, here])
 
 

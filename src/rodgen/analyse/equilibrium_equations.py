@@ -7,6 +7,7 @@ from functools import cached_property
 
 import numpy as np
 import scipy
+from numpy.typing import NDArray
 
 from rodgen.analyse.bordered import determinant_sign
 from rodgen.analyse.modal import MOST_DENSE
@@ -16,7 +17,6 @@ from rodgen.analyse.support_springs import SoftSprings
 from rodgen.arrays import Array
 from rodgen.errors import AnalysisError
 
-NUDGE = 1e-8  # rad, of differences of the mass matrix: Newton's method corrects their error
 LOOSE = 1e-12  # of the largest effect of a shift of the rod: one that has none, but for rounding
 
 
@@ -65,9 +65,9 @@ class JointForceBalance:
 
 @dataclass(frozen=True)
 class DenseBalance:
-    """Equilibrium equations by the Jacobian of the module, of generalised forces and rates of added
-    states: of a rod with free joint 0, with supports, or whose loads depend on the motion. springs:
-    those of its supports, with predicted forces."""
+    """Equilibrium equations of generalised forces and rates of added states: of a rod with free
+    joint 0, with supports, or whose loads depend on the motion. springs: those of its supports,
+    with predicted forces."""
 
     rod: SteadyRod
     y: Array
@@ -85,15 +85,24 @@ class DenseBalance:
         return self.p if self.springs is None else self.springs.p
 
     @cached_property
+    def _all_forces(self) -> tuple[Array, Array]:
+        """Generalised forces and rates of added states, and their derivatives by the state."""
+        return self.rod.balance(self.y, self._predicted_parameters)
+
+    @cached_property
+    def _forces(self) -> tuple[Array, Array]:
+        """The same in the frame that accelerates as loads push the rod where nothing holds it."""
+        push = self.net_force() @ self.free_directions
+        if not push.any():
+            return self._all_forces
+        return self.rod.balance(self.y, self._predicted_parameters, push / self._full_mass[0, 0])
+
+    @cached_property
     def rates(self) -> Array:
         """Accelerations of joint 0 and of the angles, and rates of added states, under the
         predicted forces of supports."""
-        rates = self.rod.model.rhs(self.rod.t, self.y, self._predicted_parameters)[
-            self.n_positions :
-        ]
-        if not np.isfinite(rates).all():
-            raise AnalysisError("the equations of rest are not finite")
-        return np.asarray(rates)
+        half, (force, _) = self.n_positions, self._all_forces
+        return np.concatenate((np.linalg.solve(self._full_mass, force[:half]), force[half:]))
 
     @cached_property
     def _full_mass(self) -> Array:
@@ -109,75 +118,49 @@ class DenseBalance:
             @ np.linalg.solve(self.free_directions @ moved[: self.rod.n_base], self.free_directions)
         )
 
-    @cached_property
-    def _reduced_mass(self) -> Array:
-        """Mass matrix without the motions of joint 0 that nothing holds."""
-        whole = self._full_mass
-        return (
-            whole - self._inertial_coupling @ whole[: self.rod.n_base]
-            if len(self.free_directions)
-            else whole
-        )
+    def _without_free(self, rows: Array) -> Array:
+        """Rows (base + n_moving, ...) of generalised forces without what moves joint 0 where
+        nothing holds it: the rest of the rod moves along."""
+        if not len(self.free_directions):
+            return rows
+        return np.asarray(rows - self._inertial_coupling @ rows[: self.rod.n_base])
 
-    def _generalised_forces(self, rates: Array) -> Array:
-        """Multiply rows of accelerations by the mass matrix, to generalised forces."""
+    def _rows_without_free(self, rows: Array) -> Array:
+        """The same of all rows, with those of added states."""
         half = self.n_positions
-        return np.concatenate((self._reduced_mass @ rates[:half], rates[half:]))
+        return np.concatenate((self._without_free(rows[:half]), rows[half:]))
 
     @cached_property
     def residual(self) -> Array:
         """Generalised forces and rates of added states, less the prescribed ones (`bend`)."""
-        forced = self._generalised_forces(self.rates)
+        forced = self._rows_without_free(self._forces[0])
         if self.springs is not None:
             forced[: self.n_positions] += self.springs.force
         return np.asarray(forced - self.bend)
 
     @cached_property
-    def _jacobian(self) -> Array:
-        return np.asarray(
-            self.rod.model.jac(self.rod.t, self.y, self._predicted_parameters)[self.n_positions :]
-        )
+    def _slope_at_rest(self) -> Array:
+        """Derivatives of the forces by position, angles and added states."""
+        return self._forces[1][:, self._at_rest]
 
-    @cached_property
-    def _rates_by_position(self) -> Array:
-        """Derivatives of the rates by position, angles and added states."""
-        at_rest = np.r_[: self.n_positions, 2 * self.n_positions : len(self.y)]
-        return self._jacobian[:, at_rest]
+    @property
+    def _at_rest(self) -> NDArray[np.intp]:
+        """Indices in y of position, angles and added states."""
+        return np.r_[: self.n_positions, 2 * self.n_positions : len(self.y)]
 
     @cached_property
     def residual_jacobian(self) -> Array:
         """Derivatives of the residual by position, angles and added states."""
-        slope: Array = self._generalised_forces(self._rates_by_position)
+        slope = self._rows_without_free(self._slope_at_rest)
         if self.springs is not None:
             slope[: self.n_positions, : self.n_positions] -= self.springs.stiffness
-        # Without `bend`, derivatives of the mass matrix meet rates of zero.
-        return slope + self._slope_by_mass if np.any(self.bend) else slope
-
-    @cached_property
-    def _slope_by_mass(self) -> Array:
-        """Derivatives of generalised forces due to the mass matrix, which depends on the angles.
-
-        Each entry depends on the angle between two links, or between a link and joint 0, which does
-        not turn: one difference gives all, with every link turned by one NUDGE more than the last.
-        """
-        base, n_moving, half = self.rod.n_base, self.rod.n_moving, self.n_positions
-        turned = NUDGE * np.append(np.zeros(base), 1.0 + np.arange(n_moving))
-        apart, y = turned[:, None] - turned, self.y.copy()
-        y[:half] += turned
-        change = self.rod.model.mass_matrix(y, self.p) - self._full_mass
-        by_turn = np.divide(change, apart, out=np.zeros_like(change), where=apart != 0)
-        rates = self.rates[:half]
-        rates = rates - np.append(self._inertial_coupling.T @ rates, np.zeros(n_moving))
-        felt = (np.diag(by_turn @ rates) - by_turn * rates)[:, base:]
-        slope = np.zeros((len(self.rates), len(self.rates)))
-        slope[:half, base:half] = felt - self._inertial_coupling @ felt[:base]
         return slope
 
     @cached_property
     def free_directions(self) -> Array:
-        """Directions (k, 2) in which moving the whole rod changes no rate."""
+        """Directions (k, 2) in which moving the whole rod changes no force."""
         base = self.rod.n_base
-        _, sizes, ways = np.linalg.svd(self._rates_by_position[:, :base])
+        _, sizes, ways = np.linalg.svd(self._all_forces[1][:, self._at_rest[:base]])
         return np.asarray(ways[sizes <= LOOSE * max(sizes, default=0.0)])
 
     @cached_property
@@ -192,13 +175,18 @@ class DenseBalance:
         basis[base:, len(ways) :] = np.eye(size - base)
         return basis
 
+    @cached_property
+    def _inertia(self) -> Array:
+        """Mass matrix without motions of joint 0 that nothing holds, and one for added states."""
+        states = np.eye(len(self.residual) - self.n_positions)
+        return np.asarray(scipy.linalg.block_diag(self._without_free(self._full_mass), states))
+
     def solve(self, right: Array, shift: float = 0.0) -> Unknowns:
         """Solve for the change of the unknowns that changes the residual by `right`; shift: 1/tau^2
         of a time step with inertia [1/s^2]."""
         slope = self.residual_jacobian
         if shift:  # far from rest
-            slope = slope if np.any(self.bend) else slope + self._slope_by_mass
-            slope = slope - shift * self._generalised_forces(np.eye(len(slope)))
+            slope = slope - shift * self._inertia
         matrix = slope @ self.basis
         try:
             if matrix.shape[0] == matrix.shape[1]:
@@ -221,8 +209,7 @@ class DenseBalance:
 
     def net_force(self) -> Array:
         """Resultant of all loads along the free directions (k,) [N]."""
-        mass = self.rod.model.mass_matrix(self.y, self.p)[: self.rod.n_base]
-        return np.asarray(self.free_directions @ (mass @ self.rates[: self.n_positions]))
+        return np.asarray(self.free_directions @ self._all_forces[0][: self.rod.n_base])
 
     def restoring_force(self) -> float:
         """Largest force that holds the rod when it is moved by its own length [N]."""
@@ -236,11 +223,11 @@ class DenseBalance:
     def dense_pencil(self) -> DensePencil:
         """Matrices of small motions about this state; derivatives by rates count only where loads
         depend on the motion."""
-        half, size = self.n_positions, len(self.rates)
+        half, size = self.n_positions, len(self.residual)
         inertia, by_rate = np.zeros((2, size, size))
-        inertia[:half, :half] = self._reduced_mass
+        inertia[:half, :half] = self._inertia[:half, :half]
         if self.rod.has_feedback:
-            by_rate[:, :half] = -self._generalised_forces(self._jacobian[:, half : 2 * half])
+            by_rate[:, :half] = -self._rows_without_free(self._forces[1][:, half : 2 * half])
             by_rate[half:, half:] = np.eye(size - half)
         parts = -self.residual_jacobian, by_rate, inertia
         K, C, M = (self.basis.T @ part @ self.basis for part in parts)

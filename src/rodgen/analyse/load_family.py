@@ -77,10 +77,7 @@ class LoadFamily:
         K, C, M = (a + x * (b - a) for a, b in pairs)
         if isinstance(first, BlockPencil) or isinstance(last, BlockPencil):
             return BlockPencil(K, C, M)
-        terms = None
-        if first.terms is not None and last.terms is not None:
-            terms = abs(1 - x) * first.terms + abs(x) * last.terms
-        return DensePencil(K, C, M, terms, first.added)
+        return DensePencil(K, C, M, first.added)
 
     def without_rotation(self, force: float) -> MatrixPencil:
         """Linearised equations without external damping and without rigid rotation; with supports,
@@ -89,7 +86,7 @@ class LoadFamily:
         if self.rod.has_feedback or self.rod.has_supports:
             here = self.linearise(force)
             assert not isinstance(here, BlockPencil)
-            return MatrixPencil(*here.parts, here.terms)
+            return MatrixPencil(*here.parts)
         return MatrixPencil.without_rotation(state.pencil(), state.free_rotation)
 
     def modal_pencil(self, force: float) -> DensePencil:

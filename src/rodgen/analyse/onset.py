@@ -169,12 +169,8 @@ class _OnsetSolver:
         self.size, omega = max(abs(near.force), unit), abs(near.s)
         whole = at(near.force)
         self.kind = crossing_kind(bool(omega), bool(omega) and whole.is_damped)
-        # Entries of full matrices are sums of many rounded terms, of which the sizes are known or
-        # not.
-        terms = 1
-        if isinstance(whole, DensePencil):
-            terms = whole.size ** (2 if whole.terms is None else 1)
-        self.entry = ENTRY * terms
+        # Entries of full matrices are sums of as many rounded terms.
+        self.entry = ENTRY * (whole.size if isinstance(whole, DensePencil) else 1)
         here = MatrixPencil.of(whole)
         self.scales = here.equilibration(omega)
         self.border = Border.of(self.kind.singular_matrix(here.scale(self.scales), omega))

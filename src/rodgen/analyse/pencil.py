@@ -31,16 +31,13 @@ SINGULAR = "the linearised equations are singular"
 class ImplicitBlocks:
     """Implicit equations at zero angular rates and accelerations: residual (n_moving, 3),
     derivatives by angle, rate (3, n_moving, 3), unknowns (3, n_moving, 3, 3), and by the velocities
-    of the joints at the start and at the end of every link (2, n_moving, 3, 2). With supports also
-    by the positions of joints, and derivatives of these by angles (n_moving + 1, 2, n_moving)."""
+    of the joints at the start and at the end of every link (2, n_moving, 3, 2)."""
 
     residual: Array
     by_angle: Array
     by_rate: Array
     by_unknown: Array
     by_velocity: Array
-    by_position: Array | None = None
-    ways: Array | None = None
 
     @classmethod
     def at(cls, rod: SteadyRod, at: Unknowns, p: Array) -> ImplicitBlocks:
@@ -57,9 +54,8 @@ class ImplicitBlocks:
             cls._evaluate(rod, rod.state_in_flight(at, side), at.force, p)
             for side in (aside, -aside)
         )
-        names = [field.name for field in fields(cls)][1:6]
-        means = {k: (getattr(left, k) + getattr(right, k)) / 2 for k in names[:4]}
-        return replace(made, **means)
+        names = [field.name for field in fields(cls)][1:]
+        return replace(made, **{k: (getattr(left, k) + getattr(right, k)) / 2 for k in names})
 
     @classmethod
     def in_sideways_flight(cls, rod: SteadyRod, at: Unknowns, p: Array) -> ImplicitBlocks:
@@ -72,11 +68,7 @@ class ImplicitBlocks:
         parts = rod.model.implicit(rod.t, y, p, np.zeros(rod.n_moving), force)
         if not all(np.isfinite(part).all() for part in parts):
             raise AnalysisError("the linearised equations are not finite")
-        made = cls(*parts)
-        if not rod.has_supports:
-            return made
-        joints = np.arange(rod.scene.n_fixed_links, rod.scene.rod.links + 1)
-        return replace(made, ways=rod.joint_derivatives(y, p, joints)[..., rod.n_base :])
+        return cls(*parts[:5])  # whose positions count is balanced in generalised forces
 
     @property
     def statics(self) -> Array:
@@ -89,30 +81,9 @@ class ImplicitBlocks:
         blocks = self.statics + shift * BlockPencil.of(self).S2 if shift else self.statics
         return solve(blocks, right.ravel()).reshape(-1, 3)
 
-    def assemble(self, blocks: Matrix, by_joints: Array | None) -> Array:
-        """Assemble the matrix of blocks, with the terms of joints of a rod with supports."""
-        matrix: Array = _to_full(blocks)
-        assert by_joints is not None
-        assert self.ways is not None
-        for d, rows in enumerate(by_joints):
-            for i, by_joint in enumerate(rows):
-                matrix[3 * i : 3 * i + 3, ::3] += by_joint @ self.ways[i + d]
-        return matrix
-
     def to_dense(self) -> DensePencil:
         """Dense pencil of the angles alone: (K + s C + s^2 M) phi = 0."""
-        pencil = BlockPencil.of(self)
-        if self.ways is None:
-            return pencil.to_dense()
-        K, C = (
-            self.assemble(pencil.S0, self.by_position),
-            self.assemble(pencil.S1, self.by_velocity),
-        )
-        forced = np.arange(len(K)) % 3 > 0
-        lean = np.linalg.solve(K[np.ix_(forced, forced)].T, K[~forced][:, forced].T).T
-        every = (K, C, _to_full(pencil.S2))
-        K, C, M = (S[~forced][:, ~forced] - lean @ S[forced][:, ~forced] for S in every)
-        return DensePencil(K, C, M)
+        return BlockPencil.of(self).to_dense()
 
 
 @dataclass(frozen=True)
@@ -216,10 +187,7 @@ def first_order_matrix(K: Matrix, C: Matrix, M: Matrix, added: int) -> Matrix:
 
 @dataclass(frozen=True)
 class MatrixPencil(QuadraticPencil):
-    """Pencil of matrices S0, S1 and S2, dense or sparse. terms: sums of absolute terms of the
-    entries of S0, where these cancel."""
-
-    terms: Any = None
+    """Pencil of matrices S0, S1 and S2, dense or sparse."""
 
     @classmethod
     def of(cls, linear: Linear) -> MatrixPencil:
@@ -253,10 +221,8 @@ class MatrixPencil(QuadraticPencil):
 
     @property
     def rounding_sizes(self) -> MatrixPencil:
-        """Absolute entries, to which rounding errors are proportional; of S0 sums of absolute terms
-        over their number, where they are known, since errors of many terms cancel in part."""
-        stiffness = abs(self.S0) if self.terms is None else self.terms / len(self.terms)
-        return MatrixPencil(stiffness, abs(self.S1), abs(self.S2))
+        """Absolute entries, to which rounding errors are proportional."""
+        return MatrixPencil(*map(abs, self.parts))
 
     def add(self, other: MatrixPencil, times: float = 1.0) -> MatrixPencil:
         """Add ``times`` times another pencil."""
@@ -275,9 +241,7 @@ class MatrixPencil(QuadraticPencil):
 
     def scale(self, scales: Scales) -> MatrixPencil:
         """Multiply rows and columns by their factors."""
-        terms = None if self.terms is None else _scale_matrix(self.terms, scales)
-        S0, S1, S2 = (_scale_matrix(part, scales) for part in self.parts)
-        return MatrixPencil(S0, S1, S2, terms)
+        return MatrixPencil(*(_scale_matrix(part, scales) for part in self.parts))
 
 
 @dataclass(frozen=True)

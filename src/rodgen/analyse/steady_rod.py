@@ -296,6 +296,16 @@ class SteadyRod(HasInstant):
         follows = np.hstack((np.ones((len(joints), self.n_base)), before))
         return np.asarray(tail * follows[:, None])
 
+    def balance(self, y: Array, p: Array, acceleration: Array | None = None) -> tuple[Array, Array]:
+        """Generalised forces on the rod at rest and rates of added states, (coordinates + added,),
+        and their derivatives by the state; acceleration: of the frame of a free joint 0 (2,)
+        [m/s^2]. Raises AnalysisError where they are not finite."""
+        frame = () if acceleration is None else (acceleration,)
+        force, slope = self.model.balance(self.t, y, p, *frame)
+        if not (np.isfinite(force).all() and np.isfinite(slope).all()):
+            raise AnalysisError("the equations of rest are not finite")
+        return force, slope
+
     def accelerations(self, y: Array, p: Array) -> Array:
         """Accelerations (base + n_moving,) of the coordinates."""
         half = self.n_base + self.n_moving

@@ -195,7 +195,7 @@ class SteadyState:
                 "share of the velocity across the rod): leave out loads.external_damping"
             )
         base, half = rod.n_base, rod.n_base + rod.n_moving
-        J, mass = rod.model.jac(rod.t, y, self.p), rod.model.mass_matrix(y, self.p)
+        slope, mass = self._slope(y), rod.model.mass_matrix(y, self.p)
         ways = np.eye(half)
         across = ways[:, base // 2 :].copy()
         if base:
@@ -204,23 +204,40 @@ class SteadyState:
             # At any speed across the rod, however small, that has the same derivative.
             moving = y.copy()
             moving[half : 2 * half] = AT_REST * (across[:, 0] if base else 1.0)
-            J[:, half : 2 * half] = rod.model.jac(rod.t, moving, self.p)[:, half : 2 * half]
+            slope[:, half : 2 * half] = self._slope(moving)[:, half : 2 * half]
             if base:  # along the straight rod the share is none
                 axis = np.array([np.cos(self.phi[0]), np.sin(self.phi[0])])
                 moving[half : 2 * half] = 0.0
                 moving[half : half + 2] = AT_REST * axis
-                along = rod.model.jac(rod.t, moving, self.p)[:, half : half + 2] @ axis
-                J[:, half : half + 2] += np.outer(along - J[:, half : half + 2] @ axis, axis)
+                along = self._slope(moving)[:, half : half + 2] @ axis
+                slope[:, half : half + 2] += np.outer(
+                    along - slope[:, half : half + 2] @ axis, axis
+                )
         bent = has_drag(rod) and not self.is_straight
         whole = whole or rod.has_supports or bent
         if not (rod.has_supports or bent) and (has_drag(rod) or not rod.has_feedback):
             ways = across
         elif base and not (whole or self._has_joint_sensors):
-            inner = mass[base:, :base] @ np.linalg.solve(mass[:base, :base], mass[:base, base:])
+            lean = np.linalg.solve(mass[:base, :base], mass[:base, base:]).T
             mass, ways = mass.copy(), ways[:, base:]
-            mass[base:, base:] -= inner
-            J[half : half + base] = 0.0
-        return _project_jacobian(J, mass, ways)
+            mass[base:, base:] -= lean @ mass[:base, base:]
+            slope[base:half] -= lean @ slope[:base]
+        return _project_forces(slope, mass, ways)
+
+    def _slope(self, y: Array) -> Array:
+        """Derivatives by the state of generalised forces and rates of added states, in the frame in
+        which joint 0 rests."""
+        rod = self.rod
+        if not rod.n_base:
+            return rod.balance(y, self.p)[1]
+        return rod.balance(y, self.p, self._common_acceleration)[1]
+
+    @cached_property
+    def _common_acceleration(self) -> Array:
+        """Acceleration (2,) of all of a rod with free joint 0, as no link turns [m/s^2]."""
+        force, _ = self.rod.balance(self.rod.state_in_flight(self.at), self.p)
+        total = self.rod.model.mass_matrix(self.y, self.p)[0, 0]
+        return np.asarray(force[: self.rod.n_base] / total)
 
     @property
     def _has_joint_sensors(self) -> bool:
@@ -229,24 +246,23 @@ class SteadyState:
         return any(one.what not in TURNS for one in self.rod.scene.structure.sensors)
 
 
-def _project_jacobian(J: Array, mass: Array, ways: Array) -> DensePencil:
-    """Project the Jacobian of all rates on motions along ways (positions, k): a dense pencil."""
+def _project_forces(slope: Array, mass: Array, ways: Array) -> DensePencil:
+    """Project derivatives of generalised forces and rates of added states on motions along ways
+    (positions, k): a dense pencil."""
     half = len(mass)
-    rod, own = J[half : 2 * half], J[2 * half :]
+    rod, own = slope[:half], slope[half:]
     K, C, by_added = (
-        -ways.T @ mass @ part
+        -ways.T @ part
         for part in (rod[:, :half] @ ways, rod[:, half : 2 * half] @ ways, rod[:, 2 * half :])
     )
     M, added = ways.T @ mass @ ways, len(own)
-    terms = np.abs(ways.T) @ np.abs(mass) @ np.abs(rod[:, :half] @ ways)
     if not added:
-        return DensePencil(K, C, M, terms)
+        return DensePencil(K, C, M)
     lower = -own[:, :half] @ ways, -own[:, half : 2 * half] @ ways
     return DensePencil(
         np.block([[K, by_added], [lower[0], -own[:, 2 * half :]]]),
         np.block([[C, np.zeros_like(by_added)], [lower[1], np.eye(added)]]),
         scipy.linalg.block_diag(M, np.zeros((added, added))),
-        np.block([[terms, np.abs(by_added)], [np.abs(lower[0]), np.abs(own[:, 2 * half :])]]),
         added,
     )
 
@@ -317,9 +333,6 @@ def has_drag(rod: SteadyRod) -> bool:
 def linearise(state: SteadyState) -> BlockPencil | DensePencil:
     """Linearise about a steady state; in O(n) where no velocity of a joint counts, as without
     external damping."""
-    within = not (state.rod.n_base or has_drag(state.rod) or state.rod.has_feedback)
-    if state.rod.has_supports and within:
-        return ImplicitBlocks.at(state.rod, state.at, state.p).to_dense()
     if state.rod.has_supports or state.rod.has_feedback:
         return state.dense_pencil()
     return state.dense_pencil() if state.has_velocity_terms else state.pencil()

@@ -104,6 +104,8 @@ def _programs(functions: Functions, parts: Iterable[str]) -> dict[str, Program]:
     programs: dict[str, Program] = {}
     if "mass" in parts:
         programs["mass"] = functions.mass()
+    if "balance" in parts:
+        programs["balance"] = functions.balance()
     if "implicit" in parts:
         programs["implicit"] = functions.implicit()
     if "power" in parts:

@@ -2,15 +2,16 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cache, cached_property
 
-from sympy import Add, Expr, Indexed
+from sympy import Add, Expr, Indexed, symbols
 
 from rodgen.derive.energies import Quantities
 from rodgen.derive.general import GeneralEquations
 from rodgen.derive.link_properties import INERTIAS
-from rodgen.derive.loads.kinds import JointMoment
+from rodgen.derive.loads.kinds import GeneralisedForces, JointMoment
 from rodgen.derive.symbols import alpha, joint, joint_vx, joint_vy, joint_x, joint_y, s
 from rodgen.emit.chain_outputs import ChainFunctions, named_outputs, scalar_outputs
 from rodgen.emit.forces import forces, point_force
@@ -18,6 +19,8 @@ from rodgen.emit.statements import SCALAR, Domain, Outputs, Program
 from rodgen.model.terms import EMPTYING
 
 VELOCITIES = tuple(f"{of}_v{axis}" for of in ("start", "tail", "centre") for axis in "xy")
+# Acceleration of the frame in which a rod is at rest.
+FRAME = symbols("acceleration_x acceleration_y", real=True)
 CENTRE, MOMENTUM = ("centre_x", "centre_y"), ("momentum_x", "momentum_y")
 
 
@@ -62,10 +65,21 @@ class Functions(ChainFunctions):
             rhs["velocity_link_link"] = self.compiler.pair, equations.velocity_link_link
         return self.compiler.compile(self._mass | rhs | self._forces() | self.state_rates)
 
-    def _forces(self) -> Outputs:
-        """Generalised forces of loads and joints, without those that vanish."""
+    def balance(self) -> Program:
+        """Program of what acts on a rod at rest, generalised forces and rates of added states, and
+        of their derivatives by the state; in a frame that accelerates, where joint 0 moves."""
+        works: tuple[GeneralisedForces, ...] = ()
+        if self.equations.boundary_condition.translates:
+            against = -FRAME[0], -FRAME[1]
+            x, y = (self.equations.mass_base * a for a in against)
+            works = (GeneralisedForces((x, y), self.equations.angle_force_of_mass(against)),)
+        outputs = self._forces(works) | self.state_rates
+        return self.compiler.compile(outputs, tangents=dict.fromkeys(outputs, frozenset()))
+
+    def _forces(self, more: Sequence[GeneralisedForces] = ()) -> Outputs:
+        """Generalised forces of loads and joints, and some more, without those that vanish."""
         out: Outputs = {}
-        works = self.equations.generalised_forces.values()
+        works = (*self.equations.generalised_forces.values(), *more)
         if self.equations.boundary_condition.translates:
             for at, axis in enumerate("xy"):
                 out[f"force_{axis}"] = SCALAR, Add(*(work.base[at] for work in works))

@@ -23,6 +23,7 @@ PARTS = {
     "batch": ("rhs_batch",),
     "jac": ("jac",),
     "mass": ("mass_matrix",),
+    "balance": ("balance",),
     "implicit": ("implicit",),
     "power": ("power",),
     "quantities": (
@@ -39,9 +40,15 @@ PARTS = {
     "lanes": ("LANES",),
 }
 # Written for NumPy, whatever the target.
-COMMON = ("mass", "implicit", "power", "quantities", "kinetics")
+COMMON = ("mass", "balance", "implicit", "power", "quantities", "kinetics")
 STEPS = ("flow", "newton")
-ASKED = (*STEPS, "kinetics", "tangents", "lanes")  # what nobody has who does not ask for it
+ASKED = (
+    *STEPS,
+    "kinetics",
+    "tangents",
+    "lanes",
+    "balance",
+)  # what nobody has who does not ask for it
 PART_OF = {name: part for part, names in PARTS.items() for name in names}
 FORMS = ("chain", "dense")
 

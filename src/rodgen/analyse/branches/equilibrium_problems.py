@@ -21,8 +21,8 @@ SMALL = 90  # unknowns up to which full matrices take less time than sparse ones
 
 
 class HeldRodEquilibria(Equilibria):
-    """Equilibria of a rod whose joint 0 is held, without feedback or added states, in O(n). Unknown
-    are its angles and the forces in its joints."""
+    """Equilibria of a rod that is held at joint 0 alone, without feedback or added states, in O(n).
+    Unknown are its angles and the forces in its joints."""
 
     def __init__(self, along: RodRange, start: SteadyState, all_modes: bool = False):
         super().__init__(along, start, all_modes)
@@ -55,9 +55,6 @@ class HeldRodEquilibria(Equilibria):
             by_value += share * ImplicitBlocks.at(rod, here.at, p).residual.ravel()
         by_value *= self.rows
         F = self.rows * blocks.residual.ravel()
-        if blocks.ways is not None:
-            whole = blocks.assemble(blocks.statics, blocks.by_position)
-            return F, np.column_stack((self.rows[:, None] * whole * self.columns, by_value))
         J = csc_array(
             hstack([self._left @ to_sparse(blocks.statics) @ self._right, by_value[:, None]])
         )
@@ -65,7 +62,8 @@ class HeldRodEquilibria(Equilibria):
 
 
 class RodEquilibria(Equilibria):
-    """Equilibria of a rod held by springs at a free joint 0, or with feedback or added states.
+    """Equilibria of a rod that springs hold, at a free joint 0 or beside it, or with feedback or
+    added states.
     Unknown are the position of joint 0, where it counts, the angles, and added states."""
 
     def __init__(self, along: RodRange, start: SteadyState, all_modes: bool = False):
@@ -154,7 +152,7 @@ def equilibrium_problem(along: RodRange, start: SteadyState, all_modes: bool = F
         _turns_freely(along, start, end) for end in along.numbers.bounds
     ):
         return StraightFlight(along, start, all_modes)
-    if rod.n_base or rod.has_feedback:
+    if not rod.has_joint_force_unknowns:
         return RodEquilibria(along, start, all_modes)
     return HeldRodEquilibria(along, start, all_modes)
 
