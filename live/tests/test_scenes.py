@@ -222,6 +222,8 @@ def test_scenes_of_the_package_can_be_edited_packed_and_drawn(path: Path) -> Non
         if field.of.fixed:
             continue
         other = changed(scene, field.changes(min(field.value + by, field.of.most or float("inf"))))
+        if "ends" in other.structure.nonuniform and "ends" not in scene.structure.nonuniform:
+            continue  # a body at the tail begins to resist turning: the rod bends up to it
         assert other.structure == scene.structure
         for name, value in other.parameters.items():
             if name in reached and value != reached[name]:

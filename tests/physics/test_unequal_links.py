@@ -209,8 +209,12 @@ def test_stiffness_of_the_joint_before_a_body(stiffness: Any) -> None:
 
 
 def test_a_point_mass_leaves_the_ends_as_they_are() -> None:
-    scene = _scene(5, bodies=[{"name": "tip", "at": 1.0, "mass": 0.3}])
-    assert scene.structure.nonuniform == ("bodies",)
+    tip = {"name": "tip", "at": 1.0, "mass": 0.3}
+    for body, kinds in (
+        (tip, ("bodies",)),
+        (tip | {"offset": [0.1, 0.0]}, ("stiffness", "bodies", "ends")),
+    ):
+        assert _scene(5, bodies=[body]).structure.nonuniform == kinds
 
 
 @pytest.mark.slow

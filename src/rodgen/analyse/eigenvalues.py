@@ -18,7 +18,7 @@ from rodgen.analyse.pencil import (
 from rodgen.arrays import Array
 from rodgen.errors import AnalysisError
 
-ZERO = 1e-6  # of a slow rate: zero, of a rigid motion the square root of rounding
+ZERO = 3e-4  # of a slow rate: zero, of rigid motions in a row a fourth root of rounding
 MOST_SINGULAR = 1e12  # condition of a matrix that is regular
 SPARE = 8  # eigenvalues beyond those asked for
 MOST_DENSE = 500  # links of which all eigenvalues are computed where that is the last resort
@@ -40,9 +40,7 @@ class EigenSolution:
 def all_eigenvalues(pencil: BlockPencil | DensePencil, turns: bool = False) -> EigenSolution:
     """Compute every eigenvalue, in O(n^3). turns: the rod turns freely, with eigenvalue zero."""
     dense = pencil.to_dense()
-    if isinstance(pencil, DensePencil):  # which may have zeros of rigid motions
-        return _drop_zeros(_solve_dense(dense), _slow_rate(dense))
-    if not turns:
+    if isinstance(pencil, DensePencil) or not turns:
         return _solve_dense(dense)
     # Virtual work on turning is s^2 (M turn) a: motions orthogonal to M turn are without it.
     turn = np.ones(pencil.n_moving)
@@ -56,19 +54,19 @@ def all_eigenvalues(pencil: BlockPencil | DensePencil, turns: bool = False) -> E
 
 def _solve_dense(dense: DensePencil) -> EigenSolution:
     """Solve a dense pencil by its inverse, in which slow motions keep their digits beside fast
-    ones: that of the stiffness or, where this is singular, of the pencil at a slow rate."""
+    ones: that of the stiffness or, where rigid motions make this singular, of the pencil at a slow
+    rate; rigid motions are left out then."""
     if not dense.size:
         return EigenSolution(np.zeros(0, dtype=complex), np.zeros((0, 0), dtype=complex))
     shift = 0.0 if _is_regular(dense.S0) else _slow_rate(dense)
     own = dense.size - dense.added
     if not (dense.is_damped or dense.added):
         z, vectors = np.linalg.eig(np.linalg.solve(dense.at(shift), -dense.S2))
-        s = square_roots(shift**2 + 1 / z)
-        return EigenSolution(s, vectors.astype(complex))
+        found = EigenSolution(square_roots(shift**2 + 1 / z), vectors.astype(complex))
+        return _drop_zeros(found, shift)
     z, vectors = _companion(dense.at(shift), dense.derivative(shift), dense.S2)
     finite = np.argsort(np.abs(z))[dense.added :]  # an added state has no inertia
-    s = shift + 1 / z[finite]
-    return _upper_half_plane(s, vectors[:own, finite])
+    return _drop_zeros(_upper_half_plane(shift + 1 / z[finite], vectors[:own, finite]), shift)
 
 
 def _is_regular(S: Array) -> bool:
@@ -82,9 +80,7 @@ def _is_regular(S: Array) -> bool:
 
 def _slow_rate(dense: DensePencil) -> float:
     """Rate of a slow motion [1/s]: that of a rod which bends evenly or, where nothing resists that,
-    of the matrices; 1 of an empty pencil."""
-    if not dense.size:
-        return 1.0
+    of the matrices."""
     own = dense.size - dense.added
     K, M = dense.S0[:own, :own], dense.S2[:own, :own]
     bend = np.linspace(0.0, 1.0, own)
@@ -235,7 +231,7 @@ def all_shapes(dense: DensePencil) -> tuple[Array, Array]:
 
 
 def _drop_zeros(found: EigenSolution, rate: float) -> EigenSolution:
-    """Drop eigenvalues that are zero but for rounding, beside a slow rate [1/s]."""
+    """Drop eigenvalues that are zero but for rounding, beside a slow rate [1/s]; none beside 0."""
     here = np.abs(found.s) > ZERO * rate
     return EigenSolution(found.s[here], found.vectors[:, here])
 

@@ -91,7 +91,8 @@ class DenseBalance:
 
     @cached_property
     def _forces(self) -> tuple[Array, Array]:
-        """The same in the frame that accelerates as loads push the rod where nothing holds it."""
+        """Generalised forces and their derivatives in the frame that accelerates as loads push the
+        rod where nothing holds it."""
         push = self.net_force() @ self.free_directions
         if not push.any():
             return self._all_forces
@@ -126,7 +127,7 @@ class DenseBalance:
         return np.asarray(rows - self._inertial_coupling @ rows[: self.rod.n_base])
 
     def _rows_without_free(self, rows: Array) -> Array:
-        """The same of all rows, with those of added states."""
+        """Remove what moves joint 0 where nothing holds it from the rows of all equations."""
         half = self.n_positions
         return np.concatenate((self._without_free(rows[:half]), rows[half:]))
 
@@ -146,7 +147,8 @@ class DenseBalance:
     @property
     def _at_rest(self) -> NDArray[np.intp]:
         """Indices in y of position, angles and added states."""
-        return np.r_[: self.n_positions, 2 * self.n_positions : len(self.y)]
+        every = np.arange(len(self.y))
+        return np.delete(every, every[self.n_positions : 2 * self.n_positions])
 
     @cached_property
     def residual_jacobian(self) -> Array:

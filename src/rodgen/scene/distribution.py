@@ -144,9 +144,9 @@ class Distribution:
             return self.mesh.lengths(rod.mass)
         lengths = self.mesh.lengths(rod.length)
         if isinstance(per_length.value, list):
-            return lengths * np.array(per_length.value, dtype=float)
-        found: Array = lengths * cell_means(per_length.at(self.mesh.gauss_points(), self.t))
-        return found
+            return np.asarray(lengths * per_length.value)
+        means = cell_means(per_length.at(self.mesh.gauss_points(), self.t))
+        return np.asarray(lengths * means)
 
     @property
     def total_link_mass(self) -> float:

@@ -141,8 +141,8 @@ class SceneTables(SceneLaws):
             (name, link, parametrise(e, mass_name(name))) for name, link, e in along.changing_masses
         )
         tables = ((name, len(of)) for name, of in values.items() if isinstance(of, TableData))
-        given = texts, along.nonuniform, rates, sprung, masses, tuple(tables)
-        return st.Structure(*what, *given, sensor_places=self._sensor_places)
+        given = along.nonuniform, rates, sprung, masses, tuple(tables), self._sensor_places
+        return st.Structure(*(*what, texts, *given))
 
     @property
     def _sensor_places(self) -> tuple[tuple[str, str], ...]:

@@ -31,9 +31,7 @@ class LinkChain:
         self.size = self.base + self.n - self.held
         self.joints = [self.arms(s, 0) for s in range(self.n)]
         self.joints.append(self.arms(self.n - 1, self.l))
-        self.springs = [(s, s + 1, self.k) for s in range(self.n - 1)]
-        if self.boundary == "clamped":
-            self.springs.append((-1, 0, 2 * self.k))
+        self.springs = self._springs()
         self.masses, self.spin = self._masses()
 
     def arms(self, link: int, along: Any, across: Any = 0) -> list[tuple[Any, Any]]:
@@ -47,6 +45,28 @@ class LinkChain:
         link = min(int(whole), self.n - 1)
         share = whole - link
         return link, self.numbers.of(share.numerator) / share.denominator * self.l
+
+    def _springs(self) -> list[tuple[int, int, Any]]:
+        """Links before and after every spring, the clamp as -1, and its stiffness: EI over the rod
+        that bends there, half a link to either side and, at an end, on to a body that resists
+        turning."""
+        half = self.numbers.of(0.5) * self.l
+        first, last = half, half
+        for body in self.table.get("bodies", ()):
+            link, along = self.place(body["at"])
+            if body.get("inertia", 0.0) or any(body.get("offset", ())):
+                last = max(last, along) if link == self.n - 1 else last
+                first = max(first, self.l - along) if link == 0 else first
+        before, after = [half] * (self.n - 1), [half] * (self.n - 1)
+        if self.n > 1:
+            after[-1] = last
+            before[0] = first if self.boundary in ("free", "pinned") else half
+        EI = self.k * self.l
+        cells = enumerate(zip(before, after, strict=True))
+        found = [(s, s + 1, EI / (one + other)) for s, (one, other) in cells]
+        if self.boundary == "clamped":
+            found.append((-1, 0, EI / (last if self.n == 1 else half)))
+        return found
 
     def _masses(self) -> tuple[list[tuple[Any, Any]], Vector]:
         """Masses with their places, and moments of inertia of the links."""

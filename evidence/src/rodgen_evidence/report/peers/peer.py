@@ -121,7 +121,10 @@ class Peer(ABC):
 
 
 def refuse(who: str, scene: rodgen.Scene, known: tuple[str, ...]) -> None:
-    """Raise NotModelledError where the scene has a load that is not among those that are known."""
+    """Raise NotModelledError where the scene has a load that is not among those that are known, or
+    a rod that differs along its length."""
+    if scene.structure.nonuniform:
+        raise NotModelledError(f"{who}: all links of this model are alike, and all joints")
     for term in scene.structure.terms:
         if term not in known:
             raise NotModelledError(f"{who}: this model has no {term.replace('_', ' ')}")

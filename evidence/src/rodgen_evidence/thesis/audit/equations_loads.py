@@ -11,7 +11,7 @@ from rodgen.derive.loads.external_damping import LOAD as DRAG
 from rodgen.derive.loads.follower import LOAD as FOLLOWER
 from rodgen.derive.loads.gravity import LOAD as GRAVITY
 from rodgen.derive.loads.internal_damping import LOAD as DAMPING
-from rodgen.derive.loads.joint_drag import JointMotion, joint_angle, joint_mass
+from rodgen.derive.loads.joint_drag import JointMotion, joint_mass
 from rodgen.derive.symbols import l, m, s
 from rodgen.model.rod import BOUNDARIES
 from rodgen_evidence.thesis.audit.claim import NOT_PRINTED, READ, Claim, Entries
@@ -136,7 +136,8 @@ def across_only(n: int) -> Column:
 def angles_at(n: int) -> Iterator[Expr]:
     """Angle of the rod at every joint, from derive/."""
     for i in range(n + 1):
-        yield joint_angle(list(phi[max(i - 1, 0) : min(i + 1, n)]))
+        before, after = phi[i - 1] if i else None, phi[i] if i < n else None
+        yield Rod().mean_angle(before, after, i)
 
 
 def derived_shares(n: int) -> Column:
