@@ -7,6 +7,7 @@ from typing import Any
 import mpmath as mp
 import numpy as np
 import pytest
+import scipy
 
 import rodgen
 from rodgen.analyse.extrapolation import richardson
@@ -213,3 +214,24 @@ def test_frozen_after_a_run() -> None:
     are_among(found, s)
     with pytest.raises(InputError, match="speed"):
         natural_modes(scene, speed=1.0, frozen=True)
+
+
+def test_a_free_rod_on_one_spring_across_it_slides_and_swings() -> None:
+    """Frequencies by matrices of the displacements of the joints, put together by hand; sliding
+    along the rod has none."""
+    n, mass, stiffness, spring, at = 6, 2.0, 3.0, 40.0, 0.3
+    table = {"links": n, "length": 1.0, "mass": mass, "bending_stiffness": stiffness}
+    supports = [{"at": at, "stiffness": [0.0, spring]}]
+    scene = rodgen.Scene(name="held", rod={**table, "boundary": "free"}, supports=supports)
+    K, M = np.zeros((n + 1, n + 1)), np.zeros((n + 1, n + 1))
+    for link in range(n):
+        M[link : link + 2, link : link + 2] += mass / n / 6 * np.array([[2.0, 1.0], [1.0, 2.0]])
+    for joint in range(1, n):
+        bend = np.zeros(n + 1)
+        bend[joint - 1 : joint + 2] = n * np.array([1.0, -2.0, 1.0])
+        K += n * stiffness * np.outer(bend, bend)
+    place = np.maximum(1 - np.abs(np.arange(n + 1) - at * n), 0.0)
+    K += spring * np.outer(place, place)
+    squares = scipy.linalg.eigh(K, M, eigvals_only=True)[1:]  # swinging about the spring is free
+    found = natural_modes(scene, 5)
+    np.testing.assert_allclose(found.frequencies, np.sqrt(squares[:5]) / (2 * np.pi), rtol=1e-11)
