@@ -104,6 +104,12 @@ class Rod:
         ends = [at - 1, at] if inside else [at if at == 0 else at - 1]
         return sum((HALF * self.length(link) for link in ends), S.Zero)
 
+    def share_after(self, at: Expr | int) -> Expr:
+        """Share of the rod gathered in an inner joint that is of the link which begins there."""
+        if not self.has_link_lengths:
+            return HALF
+        return self.length(at) / (self.length(at - 1) + self.length(at))
+
     def mean_angle(self, before: Expr | None, after: Expr | None, at: Expr | int) -> Expr:
         """Angle of the rod at a joint [rad]: mean of those of the links that meet there, by their
         lengths; None for no link."""

@@ -109,16 +109,17 @@ class JointDrag(JointLoad):
         )
 
     def start_force(self, link: Expr, boundary: Boundary) -> Vector:
-        """Half the force of a joint, as that link is half of the rod gathered there; the whole at a
-        start that moves, and the force of the wind at one that does not."""
+        """The share of the force of a joint that this link has of the rod gathered there; the whole
+        at a start that moves, and the force of the wind at one that does not."""
         first, start = Integer(boundary.first), boundary.first_joint
+        parts = tuple(self.rod.share_after(link) * base[link] for base in self.bases)
         if start < first:
-            x, y = (base[link] / 2 for base in self.bases)
+            x, y = parts
             return x, y
         whole = tuple(base[link] for base in self.bases)
         there = whole if start == first else self._wind_on_held_start(first)
-        pairs = zip(there, self.bases, strict=True)
-        x, y = (Piecewise((e, Eq(link, first)), (base[link] / 2, True)) for e, base in pairs)
+        pairs = zip(there, parts, strict=True)
+        x, y = (Piecewise((e, Eq(link, first)), (part, True)) for e, part in pairs)
         return x, y
 
     def _wind_on_held_start(self, at: Expr) -> Vector:

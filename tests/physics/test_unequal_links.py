@@ -15,6 +15,7 @@ from scipy.optimize import brentq
 import rodgen
 from rodgen import Scene
 from rodgen.check.module_check import check_module
+from rodgen.integrate.quantity_formulas import MotionSlice
 from rodgen.loading import build
 from rodgen.scene.structure import Structure
 
@@ -223,3 +224,36 @@ def test_onset_of_the_column_with_a_tip_mass() -> None:
     column = Scene.example("tip_mass")
     found = [rodgen.critical_load(column.with_links(n)).value for n in (20, 40, 80, 160)]
     assert _extrapolate(np.array(found[1:])) == pytest.approx(33.7714, rel=1e-5)
+
+
+@pytest.mark.parametrize("boundary", ["clamped", "cantilever"])
+@pytest.mark.parametrize("joints", [None, SQUARES])
+def test_a_support_holds_the_point_that_a_rod_with_a_bent_end_has_at_rest(
+    joints: str | None, boundary: str
+) -> None:
+    scene = _scene(
+        4,
+        joints,
+        rod={"rest_curvature": 1.0, "boundary": boundary},
+        bodies=[{"name": "wheel", "at": 1.0, "mass": 0.3, "inertia": 0.1}],
+        supports=[{"at": 1.0, "stiffness": [100.0, 100.0]}],
+        initial={"phi": "rest"},
+    )
+    system = rodgen.System(scene)
+    rates = build(scene, target="numpy").rhs(0.0, system.y0, system.p)
+    np.testing.assert_allclose(rates, 0.0, atol=1e-10)  # 100 N/m beside 1e-12 of a metre
+
+
+def test_shear_force_is_that_of_the_drag_on_the_rod_behind() -> None:
+    """At rest in a steady wind across it, at a joint with links of 0.2 and 0.8 m."""
+    scene = _scene(
+        2,
+        [0.0, 0.2, 1.0],
+        rod={"bending_stiffness": 1e7},
+        loads={"viscous_drag": {"normal": 1.0, "wind": [0.0, 1.0]}},
+    )
+    model, y = build(scene, "numpy"), scene.initial_state()
+    y[:2] = rodgen.static_equilibrium(scene).phi
+    piece = MotionSlice(model, model.parameters(**scene.parameters), y, np.array(0.0))
+    # Bent by 1e-7 only.
+    np.testing.assert_allclose(piece.values("shear_force"), [1.0, 0.8], rtol=1e-6)

@@ -66,6 +66,20 @@ def test_moments_are_those_of_the_joints(swinging: Solution) -> None:
     assert -low == high == np.abs(shown).max()
 
 
+def test_moments_are_drawn_where_the_joints_are() -> None:
+    rod = {"links": 3, "joints": [0.0, 0.1, 0.4, 1.0], "boundary": "clamped"}
+    scene = rodgen.Scene(
+        name="uneven",
+        rod=rod | {"length": 1.0, "mass": 1.0, "bending_stiffness": 1.0},
+        loads={"gravity": {}},
+        integrate={"span": [0.0, 0.1], "output_every": 0.05},
+    )
+    run = rodgen.simulate(scene, target="numpy", progress=False)
+    mesh = moment_map(run).axes[0].collections[0]
+    # Rows meet half way between joints.
+    assert np.asarray(mesh.get_coordinates())[1:-1, 0, 1] == pytest.approx([0.05, 0.25, 0.7])
+
+
 def test_a_curved_arrow_turns_as_its_couple_does() -> None:
     """An arc about zero, as long as its share, and a head at its end that points on."""
     for share in (1.0, 0.5, -1.0):

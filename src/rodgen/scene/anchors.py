@@ -18,7 +18,7 @@ from rodgen.scene.law import Law
 from rodgen.scene.rod_mesh import RodMesh
 
 if TYPE_CHECKING:
-    from rodgen.scene.tables import FoundationTable, RodTable, SupportTable
+    from rodgen.scene.tables import BodyTable, FoundationTable, RodTable, SupportTable
 
 SAME = 1e-9  # of a link, by which points are one
 
@@ -46,9 +46,12 @@ class SupportPoint:
 
 @dataclass(frozen=True)
 class Anchors:
-    """Supports and foundation of a rod. start: position of joint 0 [m]; numbers: values of the
-    names in expressions; turned: angle of link 0 of a rod without a clamp [rad]; moved: whether the
-    base moves joint 0."""
+    """Supports and foundation of a rod.
+
+    start: position of joint 0 [m]; numbers: values of the names in expressions; turned: angle of
+    link 0 of a rod without a clamp [rad]; moved: whether the base moves joint 0; bodies: those on
+    the rod, of which some let its ends bend.
+    """
 
     rod: RodTable
     supports: Sequence[SupportTable] = ()
@@ -57,6 +60,7 @@ class Anchors:
     numbers: Numbers = ()
     turned: float = 0.0
     moved: bool = False
+    bodies: Sequence[BodyTable] = ()
 
     def check(self) -> None:
         """Raise InputError for supports or a foundation that no module can have."""
@@ -111,7 +115,7 @@ class Anchors:
         """Fixed point of a support [m]; by default where the rod without load has its point."""
         if support.to is not None:
             return float(support.to[0]), float(support.to[1])
-        shape = Distribution(self.rod, numbers=self.numbers).rest_shape
+        shape = Distribution(self.rod, self.bodies, self.numbers).rest_shape
         angles = self.angle + np.concatenate(([0.0], shape))
         straight, *turned = np.stack((np.cos(angles), np.sin(angles)), axis=-1)
         link, share = self.mesh.link_and_share(support.at)

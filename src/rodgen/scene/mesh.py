@@ -108,8 +108,10 @@ def _refined_joints(joints: list[float], links: int) -> list[float]:
     """Joints of a rod whose links are each cut in as many equal parts. Raises InputError."""
     known = len(joints) - 1
     if links % known:
-        allowed = f"an expression in i and n, to be had with {links} links: a list is refined to a "
-        raise InputError("rod.joints", joints, f"{allowed}multiple of its {known}")
+        allowed = (
+            f"an expression in i and n for {links} links: a list is cut into multiples of its "
+        )
+        raise InputError("rod.joints", joints, f"{allowed}{known} alone")
     every = np.arange(links + 1) * (known / links)
     return [float(s) for s in np.interp(every, np.arange(known + 1), joints)]
 

@@ -154,6 +154,8 @@ def _parse(links: int, joints: tuple[float, ...] | str, numbers: Numbers) -> Rod
     if not (ends <= SHORTEST and (steps >= SHORTEST).all()):
         off = np.flatnonzero(~(steps >= SHORTEST))
         where = f" (not so from joint {off[0]} to {off[0] + 1})" if len(off) else ""
+        if ends > SHORTEST:
+            where = f" (they go from {places[0]:.9g} to {places[-1]:.9g})"
         raise InputError(
             FIELD, given, f"s of every joint, from 0 to 1, each {SHORTEST:g} above the last{where}"
         )

@@ -160,7 +160,7 @@ class SceneTables(SceneLaws):
         turned = self.initial.angle or 0.0
         placed = any(one.name in self._base_values for one in BASE_ROWS[:2])
         held = self.rod, self.supports, self.foundation
-        return Anchors(*held, start, self._numbers, turned, placed)
+        return Anchors(*held, start, self._numbers, turned, placed, self.bodies)
 
     @property
     def _base_start(self) -> tuple[float, float]:

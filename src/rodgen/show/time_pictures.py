@@ -93,7 +93,7 @@ def moment_map(solution: Solution) -> Figure:
         axes.set_axis_off()
         return figure
     limit = float(np.abs(found).max())
-    s = np.linspace(0.0, 1.0, found.shape[1])
+    s = solution.scene.mesh.places
     t = solution.t[kept]
     how: dict[str, Any] = {"cmap": MOMENTS, "norm": moment_norm(limit), "rasterized": True}
     coloured: ScalarMappable
