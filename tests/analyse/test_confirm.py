@@ -16,9 +16,10 @@ from rodgen.analyse.eigenvalue_check import (
     find_onset_contradiction,
     is_contradiction,
 )
-from rodgen.analyse.load_family import BASIS, LoadFamily, load_family
+from rodgen.analyse.load_family import BASIS, LoadFamily
 from rodgen.analyse.modal import ModalMotions
 from rodgen.analyse.onset import LoadSearch, Onset
+from rodgen.analyse.scene_family import load_family
 from rodgen.analyse.small_motions import SmallMotions
 from tests.analyse.rods import FORCE, ONES, THRUST, rod
 

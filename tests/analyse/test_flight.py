@@ -10,8 +10,8 @@ import pytest
 
 import rodgen
 from rodgen.analyse.critical import Critical, critical_load
-from rodgen.analyse.load_family import load_family
 from rodgen.analyse.modes import Modes, natural_modes
+from rodgen.analyse.scene_family import load_family
 from rodgen.analyse.simulated_critical import (
     SimulatedCritical,
     find_difference,

@@ -11,7 +11,7 @@ import pytest
 
 import rodgen as package
 from rodgen.analyse import critical, simulated_critical
-from rodgen.analyse.load_family import load_family
+from rodgen.analyse.scene_family import load_family
 from rodgen.errors import AnalysisError, InputError
 from rodgen.show import appearance
 from rodgen.show.critical_pictures import stability_curves

@@ -19,6 +19,7 @@ from rodgen.result import warns_of_doubts
 from rodgen.scene.plain_tables import is_number, to_plain
 from rodgen.scene.tables import LARGEST
 from rodgen.system import System
+from rodgen.system.link_inertia import is_light
 
 if TYPE_CHECKING:
     from threadpoolctl import ThreadpoolController
@@ -67,8 +68,8 @@ def guard_analysis(function: Callable[P, R]) -> Callable[P, R]:
 @dataclass(frozen=True)
 class MemoryNeed:
     """Memory of an analysis [bytes]: for every link; for every pair of links, of full matrices; and
-    for every pair where all equations are full, as with supports, added states, or loads that
-    depend on the motion."""
+    for every pair where all equations are full, as with supports, added states, loads that depend
+    on the motion, or links without mass."""
 
     link: float
     pair: float = 0.0
@@ -103,7 +104,7 @@ def check_analysis_memory(
     """
     size, states, structure = SIZES[analysis], len(system.structure.state_names), system.structure
     anchored = any(TERMS[name].kind == ANCHOR for name in structure.loads)
-    full = whole or bool(states or structure.has_feedback or anchored)
+    full = whole or bool(states or structure.has_feedback or anchored) or is_light(system)
 
     def needed_bytes(links: int) -> float:
         pairs = size.pair + size.whole * full + ALL_MODES * (links <= few)

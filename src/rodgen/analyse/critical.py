@@ -21,11 +21,12 @@ from rodgen.analyse.eigenvalue_check import (
     find_onset_contradiction,
     full_spectrum,
 )
-from rodgen.analyse.load_family import BASIS, HIGHEST, LoadFamily, load_family
+from rodgen.analyse.load_family import BASIS, HIGHEST, LoadFamily
 from rodgen.analyse.modal import DIVERGENCE, FLUTTER, MOST_DENSE, rounding_growth
 from rodgen.analyse.onset import At, LoadSearch, Onset, load_grid, solve_onset, solve_zero_onset
 from rodgen.analyse.pencil import BlockPencil, DensePencil
 from rodgen.analyse.scaled_load import FOLLOWER, GROUPS, find_term, label_of, symbol_of, unit_of
+from rodgen.analyse.scene_family import load_family
 from rodgen.analyse.simulated_critical import (
     GrowthTest,
     SimulatedCritical,
@@ -60,6 +61,8 @@ CHECKED = (0.0, 0.5, 0.9)  # of the way to an onset, where all eigenvalues are l
 TURNING = "turning"
 UPPER, LOWER = "upper", "lower"
 UNIT = "{unit}"  # that of the load
+
+FAST = "links without mass buckle between what has mass, which nothing slows down; give them some"
 
 
 @dataclass(frozen=True, repr=False)
@@ -462,6 +465,8 @@ def _refine_onset(search: LoadSearch, near: Onset) -> Onset:
     """Refine an estimate to the onset with all links. One within rounding of the lowest force lies
     there, since the motion grows under every larger one."""
     family, lowest = search.family, float(search.forces[0])
+    if np.isinf(near.s):
+        raise AnalysisError(f"at {near.force:.6g} {unit_of(family.load.name)}, {FAST}")
     if near.s == 0 and family.neutral_motions.steps:
         found = solve_zero_onset(family.matrix_without_neutral, near, family.unit)
     else:

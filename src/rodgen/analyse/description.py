@@ -20,11 +20,12 @@ from rodgen.integrate.quantity_formulas import MotionSlice as Sample
 from rodgen.integrate.stability import step_limit
 from rodgen.model.methods import FIXED_STEP
 from rodgen.progress import report_stage
-from rodgen.result import Note, Result, Row, omit_from_tables, remarks
+from rodgen.result import Note, Result, Row, doubt, omit_from_tables, remarks
 from rodgen.scene import Scene
 from rodgen.scene.mesh import mesh_notes
 from rodgen.scene.model_contents import ModelPart, model_parts
 from rodgen.system import System
+from rodgen.system.link_inertia import missing_mass
 
 MOST_LISTED = 10  # break points
 TABLED = re.compile(r"(_(?:knot|value))_\d+$")  # names of the numbers of a table
@@ -35,10 +36,10 @@ class Description(Result):
     """Description of a scene before it is run.
 
     pieces: terms that a module can have, whether this one has them, and why; choice: the method,
-    and why; centre_of_gravity: at the start (2,) [m]; fastest_motion: at the start, in words, None
-    where its rate is not finite; largest_stable_steps: of methods of equal steps, for that motion
-    [s]; notes: doubts about numbers of the scene and the method, and what to know about the links;
-    system: what is described.
+    and why, None of a rod that lacks a mass for a run; centre_of_gravity: at the start (2,) [m];
+    fastest_motion: at the start, in words, None where its rate is not finite; largest_stable_steps:
+    of methods of equal steps, for that motion [s]; notes: doubts about numbers of the scene and the
+    method, and what to know about the links; system: what is described.
 
     Examples
     --------
@@ -49,7 +50,7 @@ class Description(Result):
     """
 
     pieces: tuple[ModelPart, ...]
-    choice: Choice
+    choice: Choice | None
     centre_of_gravity: Array
     fastest_motion: str | None
     largest_stable_steps: dict[str, float]
@@ -75,8 +76,8 @@ class Description(Result):
             "m",
             text=lambda found: found._centre,
         ),
-        Row("method", "integrated by", of=lambda found: found.choice.method),
-        Row("reason", "because", of=lambda found: found.choice.reason),
+        Row("method", "integrated by", of=lambda found: found.choice and found.choice.method),
+        Row("reason", "because", of=lambda found: found.choice and found.choice.reason),
         Row("fastest_motion", "fastest motion at the start"),
         Row("largest_stable_steps", "largest stable step of {}", "s", ".3g"),
         Row("span", "span", "s", "g", of=lambda found: found.system.settings.span),
@@ -133,7 +134,8 @@ class Description(Result):
         return iter(self.pieces)
 
     def __repr__(self) -> str:
-        return f"<Description of {self.name}: {self.links} links, by {self.choice.method}>"
+        run = f"by {self.choice.method}" if self.choice else "not to be run"
+        return f"<Description of {self.name}: {self.links} links, {run}>"
 
 
 @guard_analysis
@@ -163,14 +165,19 @@ def describe(system: System | Scene) -> Description:
     """
     system = System.of(system)
     check_analysis_memory(SHOW, system)
-    scene, model = system.scene, system.model()
-    choice = choose(system, model)
-    report_stage("looking for the fastest motion")
-    words, limits = None, dict[str, float]()
-    with suppress(ArithmeticError):  # the run will say so
-        fastest = fastest_motion(system, model)
-        limits = {name: step_limit(name, fastest.value, fastest.partner) for name in FIXED_STEP}
-        words = describe_motion(fastest)
+    scene, lacking = system.scene, missing_mass(system)
+    choice, words, limits = None, None, dict[str, float]()
+    if lacking is None:
+        model = system.model()
+        choice = choose(system, model)
+        report_stage("looking for the fastest motion")
+        with suppress(ArithmeticError):  # the run will say so
+            fastest = fastest_motion(system, model)
+            limits = {name: step_limit(name, fastest.value, fastest.partner) for name in FIXED_STEP}
+            words = describe_motion(fastest)
+    else:
+        model = system.model("numpy", parts=("kinetics",))
+    unfit = () if lacking is None else (doubt(f"no run: {lacking}"),)
     start = Sample(model, system.p, system.y0, np.array(system.settings.span[0]))
     drifts = drift_doubt(system)
     return Description(
@@ -179,7 +186,12 @@ def describe(system: System | Scene) -> Description:
         centre_of_gravity=np.asarray(start.values("centre_of_gravity")),
         fastest_motion=words,
         largest_stable_steps=limits,
-        notes=(*system.doubts, *([] if drifts is None else [drifts]), *remarks(mesh_notes(scene))),
+        notes=(
+            *unfit,
+            *system.doubts,
+            *([] if drifts is None else [drifts]),
+            *remarks(mesh_notes(scene)),
+        ),
         system=system,
     )
 

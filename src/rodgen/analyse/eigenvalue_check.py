@@ -97,6 +97,9 @@ def _error_bounds(matrix: Array, z: Complex) -> Array:
 def full_spectrum(family: LoadFamily, load: float, near: complex | None = None) -> FullSpectrum:
     """Compute the eigenvalues of the linearised equations under a load; of many links only those
     nearest to ``near``, by default to zero."""
+    if family.rod.is_light:  # by the inverse, in which slow motions keep their digits
+        found = family.motions(np.array([load]), family.n_modes)
+        return FullSpectrum(found.s[0], found.growth[0])
     most = MOST_DENSE if near is None else MANY
     if family.rod.n_moving > most and isinstance(family.linearise(load), BlockPencil):
         return FullSpectrum.nearest(family, load, near or 0j)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from contextlib import suppress
 from dataclasses import dataclass
 from typing import Any
 
@@ -19,6 +20,7 @@ from rodgen.arrays import Array
 from rodgen.errors import AnalysisError
 
 ZERO = 3e-4  # of a slow rate: zero, of rigid motions in a row a fourth root of rounding
+FASTEST = 1e-16  # of the square of the longest period: that of what has no inertia but rounding
 MOST_SINGULAR = 1e12  # condition of a matrix that is regular
 SPARE = 8  # eigenvalues beyond those asked for
 MOST_DENSE = 500  # links of which all eigenvalues are computed where that is the last resort
@@ -37,11 +39,14 @@ class EigenSolution:
     vectors: Complex
 
 
-def all_eigenvalues(pencil: BlockPencil | DensePencil, turns: bool = False) -> EigenSolution:
-    """Compute every eigenvalue, in O(n^3). turns: the rod turns freely, with eigenvalue zero."""
+def all_eigenvalues(
+    pencil: BlockPencil | DensePencil, turns: bool = False, zeros: int | None = None
+) -> EigenSolution:
+    """Compute every eigenvalue, in O(n^3). turns: the rod turns freely, with eigenvalue zero;
+    zeros: how many of a damped dense pencil are zero, if that is known."""
     dense = pencil.to_dense()
     if isinstance(pencil, DensePencil) or not turns:
-        return _solve_dense(dense)
+        return _solve_dense(dense, zeros)
     # Virtual work on turning is s^2 (M turn) a: motions orthogonal to M turn are without it.
     turn = np.ones(pencil.n_moving)
     basis = scipy.linalg.null_space((dense.S2 @ turn)[None])
@@ -52,13 +57,13 @@ def all_eigenvalues(pencil: BlockPencil | DensePencil, turns: bool = False) -> E
     return EigenSolution(s, angles - pull / (s * s * (turn @ dense.S2 @ turn)))
 
 
-def _solve_dense(dense: DensePencil) -> EigenSolution:
+def _solve_dense(dense: DensePencil, zeros: int | None = None) -> EigenSolution:
     """Solve a dense pencil by its inverse, in which slow motions keep their digits beside fast
     ones: that of the stiffness or, where rigid motions make this singular, of the pencil at a slow
     rate; rigid motions are left out then."""
     if not dense.size:
         return EigenSolution(np.zeros(0, dtype=complex), np.zeros((0, 0), dtype=complex))
-    shift = 0.0 if _is_regular(dense.S0) else _slow_rate(dense)
+    shift = 0.0 if is_regular(dense.S0) else slow_rate(dense)
     own = dense.size - dense.added
     if not (dense.is_damped or dense.added):
         z, vectors = np.linalg.eig(np.linalg.solve(dense.at(shift), -dense.S2))
@@ -66,10 +71,13 @@ def _solve_dense(dense: DensePencil) -> EigenSolution:
         return _drop_zeros(found, shift)
     z, vectors = _companion(dense.at(shift), dense.derivative(shift), dense.S2)
     finite = np.argsort(np.abs(z))[dense.added :]  # an added state has no inertia
+    if zeros:
+        slow = np.argsort(np.abs(shift + 1 / z[finite]))[zeros:]
+        return _upper_half_plane(shift + 1 / z[finite[slow]], vectors[:own, finite[slow]])
     return _drop_zeros(_upper_half_plane(shift + 1 / z[finite], vectors[:own, finite]), shift)
 
 
-def _is_regular(S: Array) -> bool:
+def is_regular(S: Array) -> bool:
     """Whether a matrix is regular, apart from the sizes of its rows and columns."""
     rows = np.abs(S).max(axis=1, keepdims=True)
     if not rows.all():
@@ -78,12 +86,12 @@ def _is_regular(S: Array) -> bool:
     return bool(columns.all() and np.linalg.cond(S / rows / columns) < MOST_SINGULAR)
 
 
-def _slow_rate(dense: DensePencil) -> float:
+def slow_rate(dense: DensePencil) -> float:
     """Rate of a slow motion [1/s]: that of a rod which bends evenly or, where nothing resists that,
     of the matrices."""
     own = dense.size - dense.added
     K, M = dense.S0[:own, :own], dense.S2[:own, :own]
-    bend = np.linspace(0.0, 1.0, own)
+    bend = np.linspace(0.0, 1.0, own) if dense.bend is None else dense.bend
     found = abs(bend @ K @ bend) / (bend @ M @ bend) or np.linalg.norm(K) / np.linalg.norm(M)
     return float(np.sqrt(found)) or 1.0
 
@@ -221,11 +229,18 @@ def lowest_shapes(pencil: BlockPencil, count: int, turning: Array | None) -> tup
     return -(found.s[first] ** 2).real, shapes / np.abs(shapes).max(axis=0)
 
 
-def all_shapes(dense: DensePencil) -> tuple[Array, Array]:
+def all_shapes(dense: DensePencil, light: bool = False) -> tuple[Array, Array]:
     """Compute squared frequencies [1/s^2], rising, and shapes (coordinates, k) of all motions
-    without damping and without added states."""
+    without damping and without added states. light: the mass matrix is nearly singular."""
     own = dense.size - dense.added
     K, M = ((matrix + matrix.T)[:own, :own] / 2 for matrix in (dense.S0, dense.S2))
+    if light:
+        shift = slow_rate(dense) ** 2
+        with suppress(np.linalg.LinAlgError):  # of a stiffness that is far from positive
+            inverse, found = scipy.linalg.eigh(M, K + shift * M)
+            inverse, found = inverse[::-1], found[:, ::-1]
+            inverse = np.maximum(inverse, FASTEST * inverse[0])
+            return 1 / inverse - shift, found / np.sqrt(inverse)
     squares, found = scipy.linalg.eigh(K, M)
     return squares, found
 

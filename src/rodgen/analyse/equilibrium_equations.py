@@ -10,6 +10,7 @@ import scipy
 from numpy.typing import NDArray
 
 from rodgen.analyse.bordered import determinant_sign
+from rodgen.analyse.massless import regular_pencil
 from rodgen.analyse.modal import MOST_DENSE
 from rodgen.analyse.pencil import SINGULAR, DensePencil, ImplicitBlocks, to_sparse
 from rodgen.analyse.steady_rod import SteadyRod, Unknowns
@@ -103,11 +104,18 @@ class DenseBalance:
         """Accelerations of joint 0 and of the angles, and rates of added states, under the
         predicted forces of supports."""
         half, (force, _) = self.n_positions, self._all_forces
-        return np.concatenate((np.linalg.solve(self._full_mass, force[:half]), force[half:]))
+        return np.concatenate((np.linalg.solve(self._slow_mass, force[:half]), force[half:]))
 
     @cached_property
     def _full_mass(self) -> Array:
         return np.asarray(self.rod.model.mass_matrix(self.y, self.p))
+
+    @property
+    def _slow_mass(self) -> Array:
+        """Mass matrix of steps in pseudo-time: of links without mass that of an even rod."""
+        if not self.rod.is_light:
+            return self._full_mass
+        return np.asarray(self.rod.model.mass_matrix(self.y, self.rod.with_even_mass(self.p)))
 
     @cached_property
     def _inertial_coupling(self) -> Array:
@@ -177,18 +185,17 @@ class DenseBalance:
         basis[base:, len(ways) :] = np.eye(size - base)
         return basis
 
-    @cached_property
-    def _inertia(self) -> Array:
+    def _inertia(self, mass: Array) -> Array:
         """Mass matrix without motions of joint 0 that nothing holds, and one for added states."""
         states = np.eye(len(self.residual) - self.n_positions)
-        return np.asarray(scipy.linalg.block_diag(self._without_free(self._full_mass), states))
+        return np.asarray(scipy.linalg.block_diag(self._without_free(mass), states))
 
     def solve(self, right: Array, shift: float = 0.0) -> Unknowns:
         """Solve for the change of the unknowns that changes the residual by `right`; shift: 1/tau^2
         of a time step with inertia [1/s^2]."""
         slope = self.residual_jacobian
         if shift:  # far from rest
-            slope = slope - shift * self._inertia
+            slope = slope - shift * self._inertia(self._slow_mass)
         matrix = slope @ self.basis
         try:
             if matrix.shape[0] == matrix.shape[1]:
@@ -222,13 +229,13 @@ class DenseBalance:
     def n_moving(self) -> int:
         return self.rod.n_moving
 
-    def dense_pencil(self) -> DensePencil:
+    def dense_pencil(self, damped: bool = False) -> DensePencil:
         """Matrices of small motions about this state; derivatives by rates count only where loads
-        depend on the motion."""
+        depend on the motion, or if asked (damped)."""
         half, size = self.n_positions, len(self.residual)
         inertia, by_rate = np.zeros((2, size, size))
-        inertia[:half, :half] = self._inertia[:half, :half]
-        if self.rod.has_feedback:
+        inertia[:half, :half] = self._inertia(self._full_mass)[:half, :half]
+        if self.rod.has_feedback or damped:
             by_rate[:, :half] = -self._rows_without_free(self._forces[1][:, half : 2 * half])
             by_rate[half:, half:] = np.eye(size - half)
         parts = -self.residual_jacobian, by_rate, inertia
@@ -243,12 +250,19 @@ class DenseBalance:
 Balance = JointForceBalance | DenseBalance
 
 
+def _regular(here: Balance) -> DensePencil:
+    """Matrices of small motions with a regular mass matrix."""
+    made = here.dense_pencil()
+    light = isinstance(here, DenseBalance) and here.rod.is_light
+    return regular_pencil(made).pencil if light else made
+
+
 def square_of_growth(here: Balance) -> float:
     """Square of the fastest growth of an undamped motion [1/s^2], by the symmetric part of the
     stiffness; 0 where none grows, and for more than MOST_DENSE links."""
     if here.n_moving > MOST_DENSE:
         return 0.0
-    small = here.dense_pencil()
+    small = _regular(here)
     own = slice(small.size - small.added)
     K, M = ((part + part.T)[own, own] / 2 for part in (small.S0, small.S2))
     if not np.isfinite(K).all():
@@ -259,7 +273,7 @@ def square_of_growth(here: Balance) -> float:
 def stability_signature(here: Balance) -> int:
     """Number of unstable undamped motions; with added states, and for more than MOST_DENSE links,
     the sign of the determinant of the stiffness, which reveals odd changes only."""
-    if here.n_moving > MOST_DENSE or (small := here.dense_pencil()).added:
+    if here.n_moving > MOST_DENSE or (small := _regular(here)).added:
         return here.determinant_sign()
     return int((np.linalg.eigvals(np.linalg.solve(small.S2, -small.S0)).real > 0).sum())
 

@@ -67,7 +67,7 @@ def find_equilibrium(
 
 def _add_joint_forces(rod: SteadyRod, rest: Iterate, p: Array) -> Iterate:
     """Add joint forces to an equilibrium where Newton's method has not found them."""
-    if not rod.has_joint_force_unknowns:
+    if not (rod.has_joint_force_unknowns or rod.is_light):
         springs = rest.springs(rod, p)
         known = p if springs is None else springs.p
         rest.at = rest.at._replace(force=joint_forces(rod, rest.at, known)[1])
@@ -148,8 +148,10 @@ def _check_resultant(rod: SteadyRod, rest: Iterate, p: Array) -> None:
     here = equilibrium_equations(rod, rest.at, p)
     if not isinstance(here, DenseBalance) or not len(here.free_directions):
         return
-    pull = np.abs(joint_forces(rod, rest.at, p)[1]).max() * rod.scene.mass / rod.scene.rod.links
-    scale = here.restoring_force() + pull
+    scale = here.restoring_force()
+    if not rod.is_light:
+        pull = np.abs(joint_forces(rod, rest.at, p)[1]).max()
+        scale += pull * rod.scene.mass / rod.scene.rod.links
     for way, push in zip(here.free_directions, here.net_force(), strict=True):
         if abs(push) > UNBALANCED * scale:
             x, y = way * np.sign(push)

@@ -2,28 +2,24 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterator
 from contextlib import suppress
-from dataclasses import replace
 from functools import cached_property
 
 import numpy as np
 import scipy
 from numpy.typing import NDArray
 
-from rodgen.analyse.analysis_guard import CRITICAL, check_analysis_memory
 from rodgen.analyse.eigenvalues import Complex, all_shapes, lowest_shapes
 from rodgen.analyse.modal import MOST_DENSE, NONE, ModalEquations, ModalMotions, NeutralMotions
 from rodgen.analyse.pencil import BlockPencil, DensePencil, MatrixPencil
-from rodgen.analyse.scaled_load import ScaledLoad, default_load, find_term
-from rodgen.analyse.steady_rod import SteadyRod, state_after
+from rodgen.analyse.scaled_load import ScaledLoad
+from rodgen.analyse.steady_rod import SteadyRod
 from rodgen.analyse.steady_state import SteadyState, find_steady_state, linearise
 from rodgen.arrays import Array
 from rodgen.errors import AnalysisError
 from rodgen.model.terms import TERMS
-from rodgen.scene import Scene
-from rodgen.system import ParameterLine, System
+from rodgen.system import ParameterLine
 
 Flags = NDArray[np.bool_]
 BASIS = 16  # modes of the unloaded rod in which a range of forces is searched
@@ -77,7 +73,7 @@ class LoadFamily:
         K, C, M = (a + x * (b - a) for a, b in pairs)
         if isinstance(first, BlockPencil) or isinstance(last, BlockPencil):
             return BlockPencil(K, C, M)
-        return DensePencil(K, C, M, first.added)
+        return DensePencil(K, C, M, first.added, first.bend)
 
     def without_rotation(self, force: float) -> MatrixPencil:
         """Linearised equations without external damping and without rigid rotation; with supports,
@@ -191,7 +187,7 @@ class LoadFamily:
         if not (self.has_joint_damping and self.steady_state(0.0).has_free_rotation):
             return None
         damping = {f"loads.{term.table}": None for term in TERMS.values() if term.is_damping}
-        return LoadFamily(SteadyRod.of(self.rod.system.at(damping)), self.load)
+        return type(self)(SteadyRod.of(self.rod.system.at(damping)), self.load)
 
     def has_divergence(self, force: float) -> bool:
         """Whether a motion grows without oscillating; if the rod turns freely, without damping."""
@@ -273,31 +269,3 @@ class LoadFamily:
                 self._dense.pop(next(iter(self._dense)))
             self._dense[force] = self.linearise(force).to_dense()
         return self._dense[force]
-
-
-def load_family(
-    system: System | Scene,
-    t: float | None = None,
-    speed: float | None = None,
-    after: float | None = None,
-    load: str | None = None,
-) -> LoadFamily:
-    """Linearise a scene for every size of a load. Raises InputError, AnalysisError."""
-    system = System.of(system)
-    check_analysis_memory(CRITICAL, system)
-    system, t = state_after(system, t, speed, after)
-    load = default_load(system) if load is None else load
-    named, law = find_term(load), None
-    term = system.structure.load_rows.get(named.name) if named else None
-    if term and term.has_size:
-        # Its size is not used by what follows; one that is a function of time is no parameter.
-        name = term.size_parameters[0].name
-        law = system.expressions.get(name)
-        if law is not None:
-            system = system.at({system.key_of(name): 0.0})
-    rod = SteadyRod.of(system, t, speed)
-    made = ScaledLoad.of(load, rod)
-    if law is not None:
-        applied = math.nan if law.signals else float(law(rod.t))
-        made = replace(made, applied=applied)
-    return LoadFamily(rod, made)

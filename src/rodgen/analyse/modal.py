@@ -103,6 +103,7 @@ class ModalEquations:
     frequencies: Array
     neutral: NeutralMotions = NONE  # what has no rate under any force
     added: int = 0  # states of first order, the last rows
+    by_inverse: bool = False  # of which the mass matrix is nearly singular
 
     @property
     def damping_ratio(self) -> float:
@@ -124,20 +125,41 @@ class ModalEquations:
 
     def iterate_motions(self) -> Iterator[ModalMotions]:
         """Yield the motions under each force in turn; damped ones are computed on demand."""
+        if self.by_inverse and self.added and not self.neutral.steps:
+            return map(self._motions_by_inverse, range(len(self.K)))
         if self.added or self.neutral.steps:
             every = self.first_order_matrices()
             found = map(motions_of_matrix, map(self.neutral.reduce, every))
             return (one.pad(every.shape[-1]) for one in found)
-        damping = self.damping_ratio
-        if not damping:
+        if not self.C.any():
             return self._undamped_motions().split()
-        if damping < WEAK:
+        if not self.by_inverse and self.damping_ratio < WEAK:
             return self._weakly_damped_motions().split()
         return self._strongly_damped_motions()
 
     def _undamped_motions(self) -> ModalMotions:
-        s = square_roots(np.linalg.eigvals(np.linalg.solve(self.M, -self.K)))
-        return ModalMotions(s, growth_beyond_rounding(s, self.frequencies.min()))
+        lowest = self.frequencies.min()
+        if not self.by_inverse:
+            s = square_roots(np.linalg.eigvals(np.linalg.solve(self.M, -self.K)))
+            return ModalMotions(s, growth_beyond_rounding(s, lowest))
+        K, M = (part / self.frequencies[:, None] / self.frequencies for part in (self.K, self.M))
+        z = np.linalg.eigvals(np.linalg.solve(K, -M))
+        s = square_roots(1 / z)
+        noise = CRUDE * ROUNDING * len(self.frequencies) / (lowest**2 * np.abs(z))
+        growth = growth_beyond_rounding(s, lowest)
+        return ModalMotions(s, np.where(growth > noise * np.abs(s), growth, 0.0))
+
+    def _motions_by_inverse(self, at: int) -> ModalMotions:
+        """Motions under a force with added states, which have no inertia: as many eigenvalues are
+        infinite."""
+        w = np.append(self.frequencies, np.ones(self.added))
+        K, C, M = (part[at] / w[:, None] / w for part in (self.K, self.C, self.M))
+        right = np.linalg.solve(K, np.hstack((M, C)))
+        zero, size = np.zeros_like(K), len(K)
+        A = np.block([[zero, np.eye(size)], [-right[:, :size], -right[:, size:]]])
+        found = motions_of_matrix(A, inverse=True)
+        kept = np.argsort(np.abs(found.s))[: 2 * size - self.added]
+        return ModalMotions(found.s[kept], found.growth[kept])
 
     def _weakly_damped_motions(self) -> ModalMotions:
         """First-order effect of damping: s = +-s0 - (y C x)/(2 y M x), with undamped s0, x, y."""

@@ -32,6 +32,7 @@ from rodgen.analyse.frozen_modes import (
     joint_displacements,
     select_modes,
 )
+from rodgen.analyse.massless import regular_pencil
 from rodgen.analyse.modal import CRUDE, ROUNDING
 from rodgen.analyse.pencil import BlockPencil, DensePencil
 from rodgen.analyse.steady_rod import TIME, StateResult, SteadyRod, state_after
@@ -44,6 +45,7 @@ from rodgen.result import ASKED, FLAG, Note, Row, StudyStorage, doubt, omit_from
 from rodgen.scene import Scene
 from rodgen.scene.mesh import mesh_notes
 from rodgen.system import System
+from rodgen.system.link_inertia import check_masses
 
 DENSE = 100  # links up to which all eigenvalues take less time than the lowest alone
 FARTHEST = 16  # times the asked count of eigenvalues are looked at beyond MOST_DENSE links
@@ -211,6 +213,8 @@ def natural_modes(
     system = System.of(system)
     few = system.structure.n_links if frozen else max(DENSE, 3 * count)
     check_analysis_memory(MODES, system, count=count, few=few)
+    if frozen:
+        check_masses(system)
     if frozen and speed is not None:
         raise InputError("speed", speed, "absent: the rod is taken to stand still (frozen)")
     system, t = state_after(system, t, speed, after)
@@ -223,9 +227,16 @@ def natural_modes(
 def modes_about(state: SteadyState, count: int) -> Modes:
     """Compute the lowest natural frequencies and mode shapes about a steady state."""
     rod = state.rod
-    pencil = state.dense_pencil(whole=True) if rod.has_feedback else linearise(state)
+    reduced = None
+    if rod.is_light:
+        reduced = regular_pencil(state.dense_pencil(whole=rod.has_feedback))
+        pencil: BlockPencil | DensePencil = reduced.pencil
+    else:
+        pencil = state.dense_pencil(whole=True) if rod.has_feedback else linearise(state)
     found = _find_eigenvalues(state, pencil, count)
     s, vectors = found.s, found.vectors
+    if reduced is not None:
+        vectors = reduced.expand(s, vectors)
     moves, kept = select_modes(s, count)
     phi, moved = _mode_shapes(state, s[kept], vectors[:, kept].T)
     rounded = CRUDE * ROUNDING * np.abs(s).max(initial=0.0)

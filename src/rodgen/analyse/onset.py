@@ -120,6 +120,8 @@ class LoadSearch:
                 elif not beyond and force > low:
                     low, ends[0] = force, found
         grown, other = (one.s[one.growth > 0] for one in (ends[rises], ends[not rises]))
+        if np.isinf(grown).sum() != np.isinf(other).sum():  # links without mass buckle
+            return Onset(high, complex(np.inf), high - low)
         return Onset(high, growing_eigenvalue(grown, other), high - low)
 
     def _iterate_motions(self, forces: Array) -> Iterator[ModalMotions]:

@@ -247,9 +247,11 @@ class MatrixPencil(QuadraticPencil):
 @dataclass(frozen=True)
 class DensePencil(MatrixPencil):
     """Pencil of stiffness K, damping C and mass M, (K + s C + s^2 M) q = 0, with matrices (k, k).
-    added: number of the last rows, of first order, for added states."""
+    added: number of the last rows, of first order, for added states; bend: coordinates of a rod
+    that bends evenly (k - added,), if they are not its angles."""
 
     added: int = 0
+    bend: Array | None = None
 
     @property
     def size(self) -> int:
@@ -259,6 +261,13 @@ class DensePencil(MatrixPencil):
     def to_dense(self) -> DensePencil:
         """The pencil itself: there are no joint forces to eliminate."""
         return self
+
+    @property
+    def undamped(self) -> DensePencil:
+        """The pencil without damping and without added states."""
+        own = self.size - self.added
+        K, M = (part[:own, :own] for part in (self.S0, self.S2))
+        return DensePencil(K, np.zeros_like(K), M, bend=self.bend)
 
     def project(self, basis: Matrix) -> DensePencil:
         """Project on motions q = basis times coordinates."""

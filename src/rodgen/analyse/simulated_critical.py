@@ -17,7 +17,8 @@ from rodgen.analyse.analysis_guard import (
     check_positive,
     guard_analysis,
 )
-from rodgen.analyse.load_family import HIGHEST, LoadFamily, load_family
+from rodgen.analyse.load_family import HIGHEST, LoadFamily
+from rodgen.analyse.scene_family import load_family
 from rodgen.analyse.steady_rod import Unknowns
 from rodgen.arrays import Array
 from rodgen.errors import AnalysisError, InputError

@@ -7,7 +7,9 @@ from dataclasses import replace
 import numpy as np
 
 from rodgen.analyse.eigenvalues import Complex, all_shapes, lowest_shapes
+from rodgen.analyse.light_motions import light_motions, lowest_light_rate
 from rodgen.analyse.load_family import RIGID
+from rodgen.analyse.massless import regular_pencil
 from rodgen.analyse.modal import (
     DIVERGENCE,
     FLUTTER,
@@ -31,6 +33,9 @@ class SmallMotions:
     def __init__(self, start: SteadyState, every: bool = False, smooth: bool = False):
         """smooth: leave out what has no linear part, such as external damping of a bent rod."""
         self.start, self.smooth = start, smooth
+        if start.rod.is_light:
+            self.lowest = lowest_light_rate(self._linearise(start).to_dense(), start.inertia)
+            return
         every = every or start.rod.n_moving <= MODES
         linear = self._linearise(start)
         self.added = start.rod.n_added_states
@@ -47,6 +52,9 @@ class SmallMotions:
 
     def motions(self, state: SteadyState) -> ModalMotions:
         """Compute the motions about a state; those that move or turn the whole rod do not grow."""
+        if state.rod.is_light:
+            whole = self._linearise(state).to_dense()
+            return light_motions(regular_pencil(whole, state.inertia), self.lowest)
         linear, basis = self._linearise(state), self.basis
         if isinstance(linear, BlockPencil) and self.start.has_free_rotation:
             basis = _without_turning(linear, basis)
@@ -59,7 +67,7 @@ class SmallMotions:
         return ModalMotions(s, np.where(np.abs(s) <= self.rigid, 0.0, growth))
 
     def _linearise(self, state: SteadyState) -> BlockPencil | DensePencil:
-        return state.dense_pencil(smooth=True) if self.smooth else linearise(state)
+        return linearise(state, self.smooth)
 
     def count_unstable(self, state: SteadyState) -> int:
         """Number of unstable directions: one of a motion that diverges, two of one that

@@ -18,7 +18,7 @@ from rodgen.errors import AnalysisError, InputError
 from rodgen.integrate.quantity_formulas import MotionSlice
 from rodgen.integrate.simulate import simulate
 from rodgen.integrate.solution import RunError
-from rodgen.model.rod import CLAMP_ANGLE
+from rodgen.model.rod import CENTRE_ALONG, CLAMP_ANGLE, LINK_MASS, SPREAD_ALONG
 from rodgen.model.term import ANCHOR
 from rodgen.model.terms import BASE_ANGLE, TERMS
 from rodgen.result import Result, Row, omit_from_tables
@@ -26,6 +26,7 @@ from rodgen.scene import Scene
 from rodgen.scene.distribution import shape_without_load
 from rodgen.scene.plain_tables import is_number, to_plain
 from rodgen.system import System
+from rodgen.system.link_inertia import is_light
 
 STRAIGHT = 1e-12  # rad
 ITERATIONS, STILL = 50, 1e-9  # of added states that come to rest
@@ -148,7 +149,7 @@ class SteadyRod(HasInstant):
     @cached_property
     def model(self) -> ModuleType:
         """Module of the NumPy target: a few evaluations are not worth a compilation."""
-        return self.system.model("numpy")
+        return self.system.model("numpy", parts=("balance",))
 
     def _initial_velocity(self) -> tuple[float, float]:
         """Velocity of a free rod along and across its axis at the start [m/s]."""
@@ -169,10 +170,15 @@ class SteadyRod(HasInstant):
         return self.system.structure.has_feedback or bool(self.n_added_states)
 
     @cached_property
+    def is_light(self) -> bool:
+        """Whether links have no mass, or so little that joint forces over it lose their digits."""
+        return is_light(self.system)
+
+    @cached_property
     def has_joint_force_unknowns(self) -> bool:
-        """Whether joint forces are unknowns at rest: joint 0 is held, nothing else is, and no load
-        depends on the motion."""
-        return not (self.n_base or self.has_feedback or self.has_supports)
+        """Whether joint forces are unknowns at rest: joint 0 is held, nothing else is, no load
+        depends on the motion, and all links have a mass."""
+        return not (self.n_base or self.has_feedback or self.has_supports or self.is_light)
 
     @cached_property
     def n_base(self) -> int:
@@ -229,9 +235,9 @@ class SteadyRod(HasInstant):
         Raises AnalysisError where there are none."""
         first, p = 2 * (self.n_base + self.n_moving), self.system.p
         for _ in range(ITERATIONS):
-            rates = self.model.rhs(self.t, y, p)[first:]
-            J = self.model.jac(self.t, y, p)[first:]
-            if not (np.isfinite(rates).all() and np.isfinite(J).all()):
+            try:
+                rates, J = (part[first // 2 :] for part in self.balance(y, p))
+            except AnalysisError:
                 break
             change = np.linalg.lstsq(J[:, first:], -rates, rcond=None)[0]
             y[first:] += change
@@ -305,6 +311,21 @@ class SteadyRod(HasInstant):
         if not (np.isfinite(force).all() and np.isfinite(slope).all()):
             raise AnalysisError("the equations of rest are not finite")
         return force, slope
+
+    def with_even_mass(self, p: Array) -> Array:
+        """Parameters of the same rod with its mass spread evenly over the links."""
+        made, places = p.copy(), self.system.structure.slices
+        total = p[places[LINK_MASS.name]].sum()
+        even = {LINK_MASS.name: total / self.system.structure.n_links, CENTRE_ALONG.name: 0.5}
+        for name, value in (even | {SPREAD_ALONG.name: 1 / 12}).items():
+            if name in places:
+                made[places[name]] = value
+        return made
+
+    def start_acceleration(self, y: Array, p: Array) -> Array:
+        """Acceleration (2,) of a free joint 0 by the loads, where no link turns [m/s^2]."""
+        force, total = self.balance(y, p)[0], self.model.mass_matrix(y, p)[0, 0]
+        return np.asarray(force[: self.n_base] / total)
 
     def accelerations(self, y: Array, p: Array) -> Array:
         """Accelerations (base + n_moving,) of the coordinates."""

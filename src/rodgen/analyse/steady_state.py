@@ -9,7 +9,7 @@ from functools import cached_property
 import numpy as np
 import scipy
 
-from rodgen.analyse.equilibrium_equations import free_directions
+from rodgen.analyse.equilibrium_equations import DenseBalance, free_directions
 from rodgen.analyse.equilibrium_search import find_equilibrium
 from rodgen.analyse.pencil import BlockPencil, DensePencil, ImplicitBlocks, joint_forces, product
 from rodgen.analyse.steady_rod import STRAIGHT, SteadyRod, Unknowns
@@ -76,13 +76,21 @@ class SteadyState:
             if self._is_driven:
                 return f"{self._shape}, steadily accelerating"
             return f"{self._shape}, at rest" if self.has_rest_shape else "static equilibrium"
-        _, force = joint_forces(replace(self.rod, speed=0.0), self.at, self.p)
-        pushed, speed = np.abs(force).max(initial=0.0) > 0, self.rod.speed
+        pushed, speed = self._is_pushed, self.rod.speed
         if not speed:
             moves = "steadily accelerating" if pushed else "at rest or falling freely"
             return f"{self._shape}, {moves}"
         flies = f"flying at {abs(speed):.6g} m/s{' tail first' * (speed < 0)}"
         return f"{self._shape}, {flies}{' and accelerating' * bool(pushed)}"
+
+    @property
+    def _is_pushed(self) -> bool:
+        """Whether loads push a free rod, other than its weight."""
+        if self.rod.is_light:
+            forces = self.rod.model.forces(self.rod.t, self.y, self.p).values()
+            return any(force.any() for force in forces)
+        _, force = joint_forces(replace(self.rod, speed=0.0), self.at, self.p)
+        return bool(np.abs(force).max(initial=0.0) > 0)
 
     @property
     def _shape(self) -> str:
@@ -94,7 +102,7 @@ class SteadyState:
         if not self.rod.n_base:
             return False
         free = free_directions(self.rod, self.at, self.p)
-        gained = np.abs(free @ self.rod.accelerations(self.y, self.p)[:2]).max(initial=0.0)
+        gained = np.abs(free @ self.rod.start_acceleration(self.y, self.p)).max(initial=0.0)
         return bool(gained > STEADY * np.abs(self.joint_forces).max(initial=0.0))
 
     @property
@@ -119,12 +127,19 @@ class SteadyState:
         )
         return (doubt(text, degrees=float(angle)),)
 
+    @property
+    def inertia(self) -> float:
+        """Largest entry of the mass matrix [kg, kg m, kg m^2]."""
+        return float(np.abs(self.rod.model.mass_matrix(self.y, self.p)).max())
+
     @cached_property
     def has_free_rotation(self) -> bool:
         """Whether no moment resists rotation of the whole rod, a rigid-body motion of frequency
         zero. Its loads turn with it, or there are none."""
         if self.rod.has_supports or self.rod.has_feedback:
             return False
+        if self.rod.is_light:
+            return self._light_rod_turns
         here = self.implicit_blocks
         # Row by row, for a soft spring counts beside a hard one.
         angles = np.abs(here.by_angle).sum(axis=0)
@@ -134,6 +149,18 @@ class SteadyState:
             sizes += np.abs(self._sideways_drag).sum(axis=(0, 3)) * abs(self.rod.speed)
         made = product(BlockPencil.of(here).S0, self.rigid_rotation).reshape(sizes.shape)
         return bool((np.abs(made) <= STEADY * sizes).all())
+
+    @property
+    def _light_rod_turns(self) -> bool:
+        """Whether turning all links by one angle changes no force, in the frame of joint 0."""
+        rod, slope = self.rod, self._slope(self.rod.state_in_flight(self.at))
+        base, half = rod.n_base, rod.n_base + rod.n_moving
+        by_angle = slope[:half, base:half]
+        rows = by_angle[base:]
+        if base:  # all of the rod moves along
+            mass = rod.model.mass_matrix(self.y, self.p)
+            rows = rows - mass[base:, :base] @ by_angle[:base] / mass[0, 0]
+        return bool(np.abs(rows.sum(axis=1)).max() <= STEADY * np.abs(rows).sum(axis=1).max())
 
     @property
     def free_rotation(self) -> Array | None:
@@ -177,7 +204,9 @@ class SteadyState:
         sizes = np.abs(all_of_it).max(axis=(1, 2, 3), keepdims=True)
         return bool((np.abs(felt) > STEADY * sizes).any())
 
-    def dense_pencil(self, whole: bool = False, smooth: bool = False) -> DensePencil:
+    def dense_pencil(
+        self, whole: bool = False, smooth: bool = False, angles: bool = False
+    ) -> DensePencil:
         """Dense linearised equations, with external damping, with loads that depend on the motion,
         and with added states.
 
@@ -215,7 +244,8 @@ class SteadyState:
                 )
         bent = has_drag(rod) and not self.is_straight
         whole = whole or rod.has_supports or bent
-        if not (rod.has_supports or bent) and (has_drag(rod) or not rod.has_feedback):
+        flying = has_drag(rod) or not (rod.has_feedback or angles)
+        if not (rod.has_supports or bent) and flying:
             ways = across
         elif base and not (whole or self._has_joint_sensors):
             lean = np.linalg.solve(mass[:base, :base], mass[:base, base:]).T
@@ -235,9 +265,7 @@ class SteadyState:
     @cached_property
     def _common_acceleration(self) -> Array:
         """Acceleration (2,) of all of a rod with free joint 0, as no link turns [m/s^2]."""
-        force, _ = self.rod.balance(self.rod.state_in_flight(self.at), self.p)
-        total = self.rod.model.mass_matrix(self.y, self.p)[0, 0]
-        return np.asarray(force[: self.rod.n_base] / total)
+        return self.rod.start_acceleration(self.rod.state_in_flight(self.at), self.p)
 
     @property
     def _has_joint_sensors(self) -> bool:
@@ -292,6 +320,8 @@ def unloaded_state(rod: SteadyRod, p: Array) -> tuple[SteadyState | None, float]
     """Return the steady state under parameters p in the shape without load, None where the rod does
     not keep that, and the largest angular acceleration of its links [rad/s^2]."""
     at = rod.unloaded_unknowns
+    if rod.is_light:
+        return _unloaded_light_state(rod, at, p)
     turning, force = joint_forces(rod, at, p)
     shortest = float(rod.scene.mesh.lengths(rod.scene.rod.length).min())
     scale = np.abs(force).max(initial=0.0) / shortest
@@ -302,11 +332,29 @@ def unloaded_state(rod: SteadyRod, p: Array) -> tuple[SteadyState | None, float]
     return None, largest
 
 
+def _unloaded_light_state(
+    rod: SteadyRod, at: Unknowns, p: Array
+) -> tuple[SteadyState | None, float]:
+    """Do that by generalised forces, for a rod without mass: they turn no link by more than a
+    straight one may be bent."""
+    state = SteadyState(rod, at, p)
+    frame = (state._common_acceleration,) if rod.n_base and not rod.has_supports else ()
+    force, slope = rod.balance(rod.state_in_flight(at), p, *frame)
+    base, half = rod.n_base, rod.n_base + rod.n_moving
+    largest = float(np.abs(force[base:half]).max())
+    resisted = float(np.abs(slope[base:half, base:half]).sum(axis=1).max())
+    still = largest <= STRAIGHT * resisted + _turning_by_rounding(rod, at, p)
+    return (state if still and _is_joint_at_rest(rod, at, p) else None), largest
+
+
 def _turning_by_rounding(rod: SteadyRod, at: Unknowns, p: Array) -> float:
     """Angular acceleration by what is rounded of the angles of springs that are bent at rest
     [rad/s^2]; springs of a straight rod have none."""
     if rod.is_straight:
         return 0.0
+    if rod.is_light:
+        slope = rod.balance(rod.state_at_rest(at), p)[1]
+        return float(ROUNDING * np.abs(slope).max() * np.abs(at.phi).max())
     resisting = np.abs(ImplicitBlocks.at(rod, at, p).by_angle[..., 0]).sum(axis=0).max()
     return float(ROUNDING * resisting * np.abs(at.phi).max())
 
@@ -321,7 +369,7 @@ def _is_joint_at_rest(rod: SteadyRod, at: Unknowns, p: Array) -> bool:
     away[:2] += rod.scene.rod.length
     free = free_directions(rod, at, p)
     held = np.eye(2) - free.T @ free
-    here, there = (np.abs(held @ rod.accelerations(one, p)[:2]).max() for one in (y, away))
+    here, there = (np.abs(held @ rod.start_acceleration(one, p)).max() for one in (y, away))
     return bool(here <= STEADY * there)
 
 
@@ -330,9 +378,28 @@ def has_drag(rod: SteadyRod) -> bool:
     return any(TERMS[term].kind == DRAG for term in rod.scene.loads.terms)
 
 
-def linearise(state: SteadyState) -> BlockPencil | DensePencil:
+def _light_pencil(state: SteadyState, smooth: bool) -> DensePencil:
+    """Dense pencil of a rod with links without mass; where it flies or turns as a whole, without
+    these motions."""
+    rod = state.rod
+    if rod.n_base and rod.has_supports and not state.has_kink:
+        return DenseBalance(rod, state.y, state.p, 0.0).dense_pencil(damped=True)
+    if rod.has_supports or rod.has_feedback or has_drag(rod):
+        return state.dense_pencil(smooth=smooth)
+    dense = state.dense_pencil(smooth=smooth, angles=True)
+    if not state.has_free_rotation:
+        return dense
+    # Motions orthogonal to M turn are without turning, of a rod that turns freely.
+    basis = scipy.linalg.null_space((dense.S2 @ np.ones(dense.size))[None])
+    return replace(dense.project(basis), bend=basis.T @ np.linspace(0.0, 1.0, dense.size))
+
+
+def linearise(state: SteadyState, smooth: bool = False) -> BlockPencil | DensePencil:
     """Linearise about a steady state; in O(n) where no velocity of a joint counts, as without
-    external damping."""
-    if state.rod.has_supports or state.rod.has_feedback:
-        return state.dense_pencil()
+    external damping. With links without mass the equations are dense, with a singular mass
+    matrix."""
+    if state.rod.is_light:
+        return _light_pencil(state, smooth)
+    if smooth or state.rod.has_supports or state.rod.has_feedback:
+        return state.dense_pencil(smooth=smooth)
     return state.dense_pencil() if state.has_velocity_terms else state.pencil()

@@ -31,6 +31,7 @@ from rodgen.result import Note, warn_of
 from rodgen.scene import Scene
 from rodgen.scene.integration import AUTO, IntegrationSettings, check_settings_used, with_keywords
 from rodgen.system import System
+from rodgen.system.link_inertia import check_masses
 
 LINK, SAMPLE = 6e3, 24.0  # bytes for every link, and for every number of a sample
 TICK = 0.1  # seconds between two calls of the progress callback
@@ -123,6 +124,8 @@ def simulate(
         elif model.PROVENANCE["structure_hash"] != system.structure.hash:
             allowed = f"built for this scene, with {system.structure!r}"
             raise InputError("model", model.__name__, allowed)
+        else:
+            check_masses(system)
         if system.settings.method == AUTO:
             system = system.with_method(choose(system, model).method)
         with DeferredInterrupt() as interrupt:

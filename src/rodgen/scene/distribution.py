@@ -16,6 +16,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from rodgen.arrays import Array
+from rodgen.errors import InputError
 from rodgen.model.rod import (
     BENT_LENGTH,
     JOINT_STIFFNESS,
@@ -56,7 +57,12 @@ class Distribution:
         if self._rest_curvature is not None:
             self._rest_curvature.check(mesh, links + 1, -np.inf)
         if per_length is not None:
-            per_length.check(mesh, links, SMALLEST, span)
+            least = SMALLEST if per_length.is_time_dependent else 0.0
+            per_length.check(mesh, links, least, span)
+        if not self.mass:
+            field = "rod.mass" if per_length is None else PER_LENGTH
+            value = self.rod.mass if per_length is None else per_length.value
+            raise InputError(field, value, "above 0, somewhere, without bodies that have a mass")
         for law in self._body_laws:
             law.check(mesh, 1, SMALLEST, span)
 
@@ -152,6 +158,12 @@ class Distribution:
     def total_link_mass(self) -> float:
         """Mass of all links without bodies [kg]."""
         return float(self.link_masses.sum()) if self.rod.mass is None else self.rod.mass
+
+    @property
+    def unit_mass(self) -> float:
+        """Mass of all links or, where they have none, of the bodies [kg]: a module counts joint
+        forces by its share of a link."""
+        return self.total_link_mass or self.mass
 
     @property
     def mass(self) -> float:

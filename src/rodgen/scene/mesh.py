@@ -70,6 +70,10 @@ def mesh_dependent_values(
 def mesh_notes(scene: SceneTables) -> tuple[str, ...]:
     """Sentences on damping that another number of links would change, with its equivalent."""
     n = scene.rod.links
+    if not scene.distribution.total_link_mass:
+        names = [name for name in scene.loads.parameters if PARAMETERS[name].by_mass]
+        fields = [scene.key_of(name) for name in names if scene.loads.value(name)]
+        return tuple(f"{field} damps nothing: the links have no mass" for field in fields)
     sprung = (
         f"{spring_law.FIELD} is that of a joint, whose angle belongs to the number of links "
         "(Scene.with_links converts)",

@@ -109,6 +109,8 @@ class SceneTables(SceneLaws):
         """Value of a parameter of a load or of the base: a number, or those of all joints or links;
         None for one that changes with time."""
         value, text = self.given_value(name), self.expression(name)
+        if PARAMETERS[name].by_mass and not self.distribution.total_link_mass:
+            return 0.0  # of a rod whose links have no mass
         if isinstance(value, FinFactor):
             return value.values(self.rod.links)
         if PARAMETERS[name].each == LINKS:
@@ -176,7 +178,7 @@ class SceneTables(SceneLaws):
         values: dict[str, Any] = {
             one.name: getattr(rod, one.key) or 0.0 for one in (*ROD, CLAMP_ANGLE)
         }
-        values |= {"bending_stiffness": along.stiffness, "mass": along.total_link_mass}
+        values |= {"bending_stiffness": along.stiffness, "mass": along.unit_mass}
         values |= along.joint_parameters
         if not MASS_WAYS.isdisjoint(along.nonuniform):
             values |= along.link_parameters()

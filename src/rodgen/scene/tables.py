@@ -32,7 +32,7 @@ LARGEST = 1e60  # of any value: products of several must still fit in a double
 
 
 def _check_not_tiny(value: float) -> float:
-    if value < SMALLEST:
+    if 0 < value < SMALLEST:
         raise PydanticCustomError("too_small", f"at least {SMALLEST:g}")
     return value
 
@@ -43,6 +43,7 @@ SMALLEST = 1e-60  # of what others are divided by
 Positive = Annotated[float, Field(allow_inf_nan=False, gt=0, le=LARGEST)]
 Size = Annotated[Positive, AfterValidator(_check_not_tiny)]
 NotNegative = Annotated[float, Field(allow_inf_nan=False, ge=0, le=LARGEST)]
+Mass = Annotated[NotNegative, AfterValidator(_check_not_tiny)]  # which may be none
 Share = Annotated[float, Field(ge=0, le=1)]
 Pair = Annotated[list[Expressed[Finite]], Field(min_length=2, max_length=2), AS_TEXTS]
 NotNegativePair = Annotated[
@@ -51,6 +52,7 @@ NotNegativePair = Annotated[
 # Of a list, which may be long, the first wrong value is enough.
 Values = Annotated[list[Expressed[Finite]], Field(fail_fast=True), AS_TEXTS]
 Sizes = Annotated[list[Expressed[Size]], Field(fail_fast=True), AS_TEXTS]
+Masses = Annotated[list[Expressed[Mass]], Field(fail_fast=True), AS_TEXTS]
 Factors = Annotated[list[Expressed[NotNegative]], Field(fail_fast=True), AS_TEXTS]
 
 
@@ -149,12 +151,12 @@ class RodTable(Table):
     bending_stiffness: NotNegative | Factors | str = Field(
         description="EI [N m^2]: a number, an expression in s, or n + 1 values, one for every joint"
     )
-    mass: Expressed[Size] | None = Field(
+    mass: Expressed[Mass] | None = Field(
         default=None,
-        description="mass of the whole rod without its bodies [kg]; this or `mass_per_length` is "
-        "required",
+        description="mass of the whole rod without its bodies [kg], 0 for "
+        "[none](#links-without-mass); this or `mass_per_length` is required",
     )
-    mass_per_length: Size | Sizes | str | None = Field(
+    mass_per_length: Mass | Masses | str | None = Field(
         default=None,
         description="mass per length [kg/m]: a number, an expression in s and t, or n values, one "
         "for every link",

@@ -10,8 +10,9 @@ from scipy.optimize import linear_sum_assignment
 
 from rodgen.analyse.critical import Critical
 from rodgen.analyse.eigenvalues import Complex
-from rodgen.analyse.load_family import LoadFamily, load_family
+from rodgen.analyse.load_family import LoadFamily
 from rodgen.analyse.scaled_load import GROUPS, label_of, symbol_of
+from rodgen.analyse.scene_family import load_family
 from rodgen.arrays import Array
 from rodgen.errors import AnalysisError
 from rodgen.model.term import typeset

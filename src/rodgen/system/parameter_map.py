@@ -200,7 +200,9 @@ class ParameterMap:
 
     def _follows_mass(self, name: str) -> bool:
         """Whether a parameter was changed for masses that change with time."""
-        return PARAMETERS[name].by_mass and bool(self._source.distribution.changing_masses)
+        along = self._source.distribution
+        has_own = along.total_link_mass and not along.changing_masses
+        return PARAMETERS[name].by_mass and not has_own
 
     def _rod_slot(self, keys: tuple[str, ...]) -> ParameterSlot | None:
         scene, structure = self._scene, self._scene.structure
@@ -221,6 +223,7 @@ class ParameterMap:
         # With a law of springs, a rod without stiffness is refused.
         sprung = scene.rod.spring is not None and name != "mass"
         least = 0.0 if sprung and name == "bending_stiffness" else -np.inf
+        least = 0.0 if name == "mass" else least  # without mass it is another rod
         return replace(slot, least=least, timed=sprung)
 
     def _number_slot(self, keys: tuple[str, ...]) -> ParameterSlot | None:

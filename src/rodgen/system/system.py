@@ -23,6 +23,7 @@ from rodgen.scene.plain_tables import to_plain
 from rodgen.scene.scene import with_values
 from rodgen.scene.time_laws import TimeLaws
 from rodgen.system.freezing import freeze, load_time
+from rodgen.system.link_inertia import check_masses
 from rodgen.system.packing import initial_values, make_read_only, merge_changes, pack
 from rodgen.system.parameter_map import ParameterMap
 from rodgen.system.plausibility import angle_doubts, initial_angle_doubts
@@ -422,6 +423,8 @@ class System:
         target: "c" or "numpy", by default C where it can be built; parts: what is made at once.
         Raises InputError and BuildError.
         """
+        if "rhs" in parts:
+            check_masses(self)
         key = target, tuple(parts), library_environment()
         if key not in self._models:
             made = build_fastest(self.structure, parts) if target is None else None

@@ -210,8 +210,8 @@ def locate_crossing(problem: Equilibria, near: CurvePoint, s: complex) -> Specia
 def has_doubtful_counts(problem: Equilibria, curve: Curve) -> bool:
     """Whether all eigenvalues contradict the counted numbers of unstable directions, in a few
     points and beside the special ones."""
-    growing = problem.growing
-    if growing is None or problem.along.base.n_moving > MOST_DENSE:
+    growing, rod = problem.growing, problem.along.base
+    if growing is None or rod.n_moving > MOST_DENSE or rod.is_light:
         return False
     last = len(curve.points) - 1
     looked = {*np.linspace(0, last, CHECKED).astype(int).tolist()}

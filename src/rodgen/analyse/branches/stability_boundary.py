@@ -154,6 +154,10 @@ def stability_boundary(
     # Numbers may take the place of laws in time, which then need not be known at t.
     system = system.at(dict(zip((a_key, b_key), own.tolist(), strict=True))).steady(t)
     plane = ParameterPlane(system, (a_key, b_key), own)
+    if plane.base.is_light:
+        raise AnalysisError(
+            "a boundary needs links that all have a mass; 1e-4 of that of the bodies is enough"
+        )
     scales = [_choose_scale(plane, axis, bounds[axis]) for axis in (0, 1)]
     begin = np.where([one.damping and not x for one, x in zip(scales, own, strict=True)], 1.0, 0.0)
     begin = own + begin * [one.unit for one in scales]
