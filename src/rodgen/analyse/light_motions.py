@@ -50,14 +50,14 @@ def light_motions(
 def shapes_with_inertia(whole: DensePencil, inertia: float) -> tuple[Array, Array]:
     """Squared frequencies [1/s^2] and shapes, in columns, of the motions with inertia, without
     damping; inertia: a size of that of the rod."""
-    return all_shapes(regular_pencil(whole.undamped, inertia).pencil, light=True)
+    return all_shapes(regular_pencil(whole.without_damping, inertia).pencil, light=True)
 
 
 def lowest_light_rate(whole: DensePencil, inertia: float) -> float:
     """Lowest of the frequencies that are none of a rigid motion [rad/s], or the rate at which a rod
     with all of this inertia would bend evenly."""
     rates = np.sqrt(np.abs(shapes_with_inertia(whole, inertia)[0]))
-    even = slow_rate(whole.undamped)  # beside rates that are as fast as you like
+    even = slow_rate(whole.without_damping)  # beside rates that are as fast as you like
     return float(rates[rates > RIGID * even].min(initial=even))
 
 

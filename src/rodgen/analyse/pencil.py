@@ -263,7 +263,7 @@ class DensePencil(MatrixPencil):
         return self
 
     @property
-    def undamped(self) -> DensePencil:
+    def without_damping(self) -> DensePencil:
         """The pencil without damping and without added states."""
         own = self.size - self.added
         K, M = (part[:own, :own] for part in (self.S0, self.S2))

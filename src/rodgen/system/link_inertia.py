@@ -23,7 +23,7 @@ LITTLE, MOST_FULL, SCARCE = 1e-3, 200, 1e-7
 
 
 class Rod(Protocol):
-    """What is asked of a system here."""
+    """A system, of which the masses are read."""
 
     structure: Structure
     settings: IntegrationTable
