@@ -120,6 +120,7 @@ LOADS: dict[str, Any] = {
     "drag": {"normal": 0.5, "tangential": 0.1, "wind": [2.0, "sin(t)"]},
     "viscous_drag": {"normal": 0.4, "tangential": 0.2, "wind": [1.0, "cos(t)"]},
     "moment": {"moment": 5.0},
+    "joint_friction": {"moment_per_joint": 0.2, "rate": 0.3},
     "supports": [{"at": 1.0, "stiffness": [3.0, 1.0], "damping": [0.2, 0.1], "rotation": 0.5}],
 }
 

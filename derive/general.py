@@ -40,7 +40,7 @@ from .chain import (
 from .generic_chain import AtSprings, GenericChain
 from .link_properties import Joint
 from .loads import loads_of
-from .loads.kinds import GeneralisedForces, JointMoment, Load
+from .loads.kinds import GeneralisedForces, Load
 from .symbols import (
     Array,
     arm_x,
@@ -176,8 +176,8 @@ class GeneralEquations(GenericChain):
     @cached_property
     def moments(self) -> AtSprings:
         """Total moments on the link, or the clamp of the tail, after each joint."""
-        dampers = [load for load in self.loads.values() if isinstance(load, JointMoment)]
-        parts = zip(self.springs, *(load.moments(self) for load in dampers), strict=True)
+        loads = (load.moments(self) for load in self.loads.values())
+        parts = zip(self.springs, *loads, strict=True)
         return AtSprings(*(Add(*part) for part in parts))
 
     @cached_property
@@ -254,6 +254,8 @@ class GeneralEquations(GenericChain):
         )
         arrays[joint_moment] = Array(joint_moment, s, low, high, self.joint_moment)
         for load in self.loads.values():
+            for base, value in load.spring_arrays(self).items():
+                arrays[base] = Array(base, s, low, high, value)
             for base, value in load.link_arrays(boundary_condition).items():
                 arrays[base] = Array(base, i, first, n - 1, value)
         return arrays

@@ -12,7 +12,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
-from sympy import Add, And, Eq, Expr, Indexed, Matrix, Mul, Piecewise, S, Symbol
+from sympy import Add, And, Eq, Expr, Indexed, IndexedBase, Matrix, Mul, Piecewise, S, Symbol
 
 from .chain import link_step
 from .general import GeneralEquations
@@ -168,10 +168,16 @@ class ImplicitForm:
         inner, root, tail = self.equations.moments
         start, end = (inner.subs(s, at) for at in (i, i + 1))
         if place.first and not self.equations.boundary_condition.first:
-            start = root.xreplace({phi[0]: phi[i], omega[0]: omega[i]})
+            start = root.xreplace({of[0]: of[i] for of in (phi, omega, *self._spring_arrays)})
         if place.last:
             end = tail.subs(n, i + 1)
         return start - end
+
+    @property
+    def _spring_arrays(self) -> tuple[IndexedBase, ...]:
+        """Arrays of the loads over the joints with a spring."""
+        loads = self.equations.loads.values()
+        return tuple(base for load in loads for base in load.spring_arrays(self.equations))
 
     def _with_laws(self, rows: Matrix, place: _Place) -> Matrix:
         """Rows with the laws of the loads in place of their forces on the joints of a link."""
@@ -181,6 +187,9 @@ class ImplicitForm:
         laws: dict[Expr, Expr] = {}
         for load in self.equations.loads.values():
             laws |= load.link_laws()
+            root = place.first and not self.equations.boundary_condition.first
+            laws |= load.spring_laws(i, self.equations, root=root, tail=False)
+            laws |= load.spring_laws(i + 1, self.equations, root=False, tail=place.last)
             for at, angles in ends.items():
                 laws |= load.joint_laws(at, *angles, self.equations)
         return rows.xreplace(laws)

@@ -13,12 +13,12 @@ from typing import Any
 import pytest
 
 from rodgen.model.rod import BOUNDARIES, INERTIAS
-from rodgen.model.term import BASE
+from rodgen.model.term import BASE, CONTACT
 from rodgen.model.terms import TERMS, THESIS_TERMS
 from rodgen.scene.structure import Structure
 
-# All loads; what moves a base is nothing without keys.
-ALL = tuple(name for name, term in TERMS.items() if term.kind != BASE)
+# All loads that are smooth in the motion; what moves a base is nothing without keys.
+ALL = tuple(name for name, term in TERMS.items() if term.kind not in (BASE, CONTACT))
 # What is derived and compiled grows faster than the number of loads: most structures have half of
 # them, those at joints and ends or those all along the rod; a load that is new joins the latter.
 ENDS = (*THESIS_TERMS, "tip_load")
@@ -66,6 +66,14 @@ PLACED = Structure(
         *("follower@1+1/4", "follower", "follower@2", "distributed_follower@angle"),
         *("moment@1+1/4", "moment", "moment@0", "gravity@acceleration"),
     ),
+)
+# What the rod runs against, with and without all that it may have: several at one point, at the
+# tail and within a link; in the first joint with a spring and in another; walls that end.
+TOUCHING = (
+    *("joint_friction@moment_per_length", "gravity"),
+    *("stop@1+1/4+exponent+damping", "stop", "stop@2", "stop@2+damping"),
+    *("joint_stop@2+damping", "joint_stop@3+exponent"),
+    *("wall@edge+damping+friction", "wall", "wall@edge"),
 )
 TIMED = Structure(
     4,

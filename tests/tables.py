@@ -13,7 +13,7 @@ from pydantic.fields import FieldInfo
 
 from rodgen.model.rod import BOUNDARIES
 from rodgen.model.term import LINKS, Parameter
-from rodgen.model.terms import TERMS
+from rodgen.model.terms import CONTACTS, TERMS
 from rodgen.result import Row
 from rodgen.scene import Scene
 from rodgen.scene.tables import Table
@@ -23,7 +23,7 @@ from rodgen.studies.study import KEYS
 
 DOCS = Path(__file__).parents[1] / "docs"
 TIMED = "a number or an expression in t"
-LIMITS = {"positive": ", above 0", "at least 0": ", at least 0"}
+LIMITS = {"positive": ", above 0", "at least 0": ", at least 0", "at least 1": ", at least 1"}
 
 
 def _row(*cells: str) -> str:
@@ -32,10 +32,11 @@ def _row(*cells: str) -> str:
 
 def _key(one: Parameter) -> str:
     """The row of a key: its name, what it is, and its default."""
-    value = one.documentation + LIMITS.get(one.rule, "")
+    value, _, without = one.documentation.partition("; without it ")
+    value += LIMITS.get(one.rule, "")
     value += f"; {TIMED}" * (one.timed and not one.is_array)
     absent = "none" if one.optional else "required"
-    default = absent if one.default is None else f"{one.default:g}"
+    default = without or (absent if one.default is None else f"{one.default:g}")
     key = f"`{one.key}`" if one.part is None else f"`{one.key}`, {('first', 'second')[one.part]}"
     if one.each == LINKS:
         value += "; a number, an expression in s and t, or n values, one for every link"
@@ -126,6 +127,18 @@ def _loads() -> Iterator[str]:
             )
 
 
+def _contacts() -> Iterator[str]:
+    for term in CONTACTS:
+        yield from (_row("key", "value", "default"), "|---|---|---|")
+        yield _row(f"**[[{term.table}]]**", f"{term.description}; any number of these tables", "")
+        if term.placed:
+            what = "that of its joint" if term.at_joints else "that of its point"
+            yield _row("`at`", f"s, {what}, from 0 (nose or root) to 1 (tail)", "required")
+        yield from map(_key, term.parameters)
+        if term != CONTACTS[-1]:
+            yield ""
+
+
 def _boundaries() -> Iterator[str]:
     yield from (
         _row("boundary", "joint 0", "links that move", "what holds them"),
@@ -178,6 +191,7 @@ def tables() -> dict[str, dict[str, Iterator[str]]]:
         "scenes.md": {
             "scene": _first(),
             "rod": _tables("rod", "bodies", "supports", "foundation", "base"),
+            "contacts": _contacts(),
             "loads": _loads(),
             "run": _tables("states", "initial", "events", "integrate"),
             "boundaries": _boundaries(),

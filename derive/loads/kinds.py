@@ -4,10 +4,12 @@
     PointMoment   a moment on the link of a point, which has a potential (point_moment.py)
     LinkForce     a force on every link, at one share of each (link_force.py)
     MassForce     a force on all mass, in proportion to it; a potential while it does not change
-    JointMoment   a moment across every joint, by the rates of the links that meet there
+    JointMoment   a moment across every joint, in proportion to the rate at which it opens
+    JointLaw      a moment across joints, by their bend and its rate (joint_law.py)
     JointDrag     a force on every joint that moves, by its velocity (joint_drag.py)
     Foundation    springs and dampers from every joint that moves to the ground (foundation.py)
     Supports      springs and dampers from a point of every link to the ground (supports.py)
+    Contact       what pushes while it is pressed, beside one of these (contact.py)
 
 A load is an object of one of these classes and has its law. Its kind derives from that the
 generalised forces by virtual work with n links (derivation 1) and for any n (derivation 2), the
@@ -65,6 +67,7 @@ class Load(ABC):
 
     letter: of its generalised forces, in proofs; by_velocity, by_position: it follows those of the
     joints; by_momentum: its power is its force on a unit of mass times the momentum of the rod;
+    across_joints: it is a moment between the links that a spring joins;
     array_name: what the arrays of its forces on joints are called after, by default its
     term.
     """
@@ -74,6 +77,7 @@ class Load(ABC):
     by_velocity = False
     by_position = False
     by_momentum = False
+    across_joints = False
 
     rod = Rod()  # on which it acts
     _term = ""
@@ -191,6 +195,21 @@ class Load(ABC):
         of the links before and after it (None where there is no link)."""
         return {}
 
+    def moments(self, chain: GenericChain) -> AtSprings:
+        """Moments on the link, or the clamp of the tail, after each joint."""
+        return AtSprings(S.Zero, S.Zero, S.Zero)
+
+    def spring_arrays(self, chain: GenericChain) -> dict[IndexedBase, Expr]:
+        """Arrays that its moments refer to, over the joints s with a spring."""
+        return {}
+
+    def spring_laws(
+        self, at: Expr, chain: GenericChain, root: bool, tail: bool
+    ) -> dict[Expr, Expr]:
+        """Laws of moments in a joint that depend on the state, by element of an array; root, tail:
+        whether it is that of a clamp."""
+        return {}
+
     # What a run is looked at by -----------------------------------------------------------------
 
     def applied_forces(self, boundary: Boundary) -> AppliedForces | None:
@@ -263,6 +282,8 @@ class JointMoment(Load):
     """A moment across every joint with a spring, in proportion to the rate at which it opens and
     to how large the spring is: by the size or the stiffness of the joint."""
 
+    across_joints = True
+
     @abstractmethod
     def moment(self, before: Expr, after: Expr, joint: Joint) -> Expr:
         """Moment across a joint [N m] on the link after it, at the rates of both links; the link
@@ -277,7 +298,6 @@ class JointMoment(Load):
         return rows
 
     def moments(self, chain: GenericChain) -> AtSprings:
-        """Moments on the link, or the clamp of the tail, after each joint."""
         return chain.at_springs(self.moment, omega)
 
     def power(self, chain: GenericChain) -> Expr:

@@ -36,9 +36,10 @@ class LinkPoint:
     @classmethod
     def parse(cls, place: str) -> LinkPoint:
         """Point of a place: a link by its number, and the share before it, as in 6+1/10; the tail,
-        if it is empty."""
-        link, _, share = place.partition("+")
-        return cls(Integer(link), Rational(share or 0)) if place else TAIL
+        if it is empty. Keys of optional parameters may follow."""
+        parts = (part for part in place.split("+") if not part[:1].isalpha())
+        link, share = next(parts, ""), next(parts, "0")
+        return cls(Integer(link), Rational(share)) if link else TAIL
 
 
 TAIL = LinkPoint(n - 1)
@@ -77,7 +78,8 @@ class PointForce(PointLoad):
         return self.force(phi[self.point.link])
 
     @property
-    def _is_follower(self) -> bool:
+    def _depends_on_link(self) -> bool:
+        """Whether its law has the angle of its link."""
         return any(f.has(phi) for f in self._force)
 
     def _moving_parts(self, boundary: Boundary) -> list[tuple[Expr, Expr]]:
@@ -87,7 +89,8 @@ class PointForce(PointLoad):
 
     def explicit_forces(self, chain: ExplicitChain) -> list[list[PolyElement]]:
         link = int(self.point.link.subs(n, chain.n))
-        fx, fy = (chain.calculus.poly(f) for f in self.force(chain.angles[link]))
+        force = (f.subs(n, chain.n) for f in self.force(chain.angles[link]))
+        fx, fy = map(chain.calculus.poly, force)
         return [chain.virtual_work(chain.point(link, self.point.share), (fx, fy))]
 
     def generalised_forces(self, chain: GenericChain) -> GeneralisedForces:
@@ -126,7 +129,7 @@ class PointForce(PointLoad):
         if not parts:
             return {}
         arrays = {b: distribute(f) for b, f in zip(self.bases, self._force, strict=True) if f != 0}
-        if self._is_follower:
+        if self._depends_on_link:
             for base, (at, share) in zip(self._shares, self.point.parts, strict=True):
                 arrays[base] = Piecewise((share, Eq(joint, at)), (S.Zero, True))
         return arrays
@@ -143,7 +146,9 @@ class PointForce(PointLoad):
         self, at: Expr, before: Expr | None, after: Expr | None, chain: GenericChain
     ) -> dict[Expr, Expr]:
         if not (
-            self.is_inside and self._is_follower and self._moving_parts(chain.boundary_condition)
+            self.is_inside
+            and self._depends_on_link
+            and self._moving_parts(chain.boundary_condition)
         ):
             return {}
         law = [S.Zero, S.Zero]

@@ -20,6 +20,7 @@ from ..general import GeneralEquations
 from ..generic_chain import AtSprings
 from ..link_properties import joint_stiffness, link_length, link_parameters, rest_angle
 from ..loads import TERMS
+from ..loads.joint_law import JointLaw
 from ..loads.kinds import JointMoment, Load
 from ..symbols import ALPHA, PARAMETERS, i, j, joint_moment, k, l, later, m, n, omega, phi, s
 from . import exact
@@ -170,6 +171,11 @@ class _Points:
 
     def _load_entries(self, load: Load) -> Iterator[Entry]:
         work, closed = load.generalised_forces(self.derived), self.closed
+        if isinstance(load, JointLaw):
+            for a in self.rows:
+                here = self._moment_on_link(a, load.moments(self.derived), omega)
+                yield f"phi_{a}", here, {i: a}, load.link_by_hand(closed, a, self._value)
+            return
         assert work is not None
         sums = any(e.has(Sum) for e in (*work.base, work.link))
         if self.derived.boundary_condition.translates and (not sums or closed.n <= REACH):

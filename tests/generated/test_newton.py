@@ -14,7 +14,8 @@ import pytest
 
 from rodgen.scene.structure import Structure
 from tests.generated.conftest import Built, Written, write
-from tests.palette import ALONG, PLACED, SMALL, short
+from tests.generated.test_contacts import READ
+from tests.palette import ALONG, PLACED, SMALL, TOUCHING, short
 from tests.sets import sets
 
 pytestmark = pytest.mark.compiler
@@ -55,6 +56,12 @@ BORDERED = [
 UNEQUAL = Structure(
     4, "free", terms=("viscous_drag", "gravity"), nonuniform=("stiffness", "mass", "lengths")
 )
+# What pushes at single points and at all joints; with loads that follow the pushes.
+PRESSED = [
+    Structure(4, "clamped", terms=(*TOUCHING, "joint_stop@0+damping")),
+    Structure(4, "free", terms=TOUCHING),
+    READ,
+]
 # Of the size of the rates, so that neither sigma nor J alone decides.
 REAL, PAIR = 7.5, 3.0 + 20.0j
 
@@ -71,8 +78,8 @@ def _compiled(files: dict[str, str], folder: Path) -> tuple[ctypes.CDLL, str]:
 @pytest.mark.parametrize(
     "structure",
     sets(
-        [SMALL[3], SMALL[4], BORDERED[1], UNEQUAL],
-        [*HELD[:3], BORDERED[0]],
+        [SMALL[3], SMALL[4], BORDERED[1], UNEQUAL, PRESSED[0]],
+        [*HELD[:3], BORDERED[0], *PRESSED[1:]],
         [*HELD[3:], *BORDERED[2:]],
     ),
     ids=short,

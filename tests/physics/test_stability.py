@@ -38,6 +38,8 @@ VALUES = {
     "tip_force_y": 2.0,
     "moment_size": 5.0,
     "viscous_drag_normal": 0.3,
+    "joint_friction_moment": 0.4,
+    "joint_friction_rate": 0.5,
 }
 
 

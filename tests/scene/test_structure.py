@@ -6,10 +6,10 @@ from itertools import product
 
 from rodgen.emit.targets import check_output
 from rodgen.model.rod import BOUNDARIES, NONUNIFORM, STEADY
-from rodgen.model.terms import PARAMETERS, PLACES, TERMS, THESIS_TERMS
+from rodgen.model.terms import CONTACTS, PARAMETERS, PLACES, TERMS, THESIS_TERMS
 from rodgen.scene.structure import Structure
 from rodgen.scene.term_texts import parse_terms
-from tests.palette import ALL
+from tests.palette import ALL, ALONG
 from tests.told import refused
 
 DIFFERING = {one.name for way in NONUNIFORM.values() for one in way.parameters} | {
@@ -19,14 +19,15 @@ DIFFERING = {one.name for way in NONUNIFORM.values() for one in way.parameters} 
 
 def test_every_parameter_has_its_place_in_p_and_in_a_scene() -> None:
     key = {"distributed_follower": "@angle", "gravity": "@acceleration"}
-    key |= {"foundation": "@through", "base": "@x+y+angle"}
+    key |= {"foundation": "@through", "base": "@x+y+angle", "joint_friction": "@moment_per_length"}
     everything = Structure(
         3, "clamped", terms=tuple(f"{x}{key.get(x, '')}" for x in (*ALL, "base"))
     )
-    replaced = {"gravity"}
+    replaced = {"gravity", "joint_friction_moment"}
+    others = DIFFERING | replaced | {one.name for term in CONTACTS for one in term.parameters}
     assert (
         everything.parameters
-        == tuple(name for name in PARAMETERS if name not in DIFFERING | replaced)
+        == tuple(name for name in PARAMETERS if name not in others)
         == (
             *("mass", "length", "bending_stiffness", "follower_force", "follower_angle"),
             *("gravity_x", "gravity_y", "internal_damping", "external_damping", "clamp_angle"),
@@ -37,6 +38,7 @@ def test_every_parameter_has_its_place_in_p_and_in_a_scene() -> None:
             *("viscous_drag_normal", "viscous_drag_tangential"),
             *("viscous_drag_wind_x", "viscous_drag_wind_y", "moment_size"),
             *("base_x", "base_y", "base_angle"),
+            *("joint_friction_per_length", "joint_friction_rate"),
             *("fin_factor", "distributed_follower", "foundation_stiffness", "foundation_damping"),
             *(one.name for one in TERMS["supports"].parameters if one.is_array),
         )
@@ -47,7 +49,7 @@ def test_every_parameter_has_its_place_in_p_and_in_a_scene() -> None:
     assert len(set(PLACES.values())) == len(PLACES)
     for name, term in TERMS.items():
         assert name == term.name
-        assert term.table == name.removesuffix("_load")
+        assert term.table == name.removesuffix("_load") + "s" * (term in CONTACTS)
 
 
 def test_order_of_expressions_does_not_matter() -> None:
@@ -70,7 +72,7 @@ def test_names_of_modules() -> None:
         Structure(5, "pinned", terms=()): "rod_pinned_n5_conservative",
         Structure(5, "clamped", "lumped", ("tip_load",)): "rod_clamped_n5_tip_load_lumped",
         Structure(5, inertia="lumped"): "rod_free_n5_lumped",
-        Structure(2, terms=ALL): f"rod_free_n2_{'_'.join(ALL)}",
+        Structure(2, terms=ALONG): f"rod_free_n2_{'_'.join(ALONG)}",
     }
     for (structure, stem), (output, ending) in product(structures.items(), NAMES):
         assert structure.stem == structure.module_stem() == stem

@@ -17,12 +17,14 @@ from rodgen.derive.generic_chain import AtSprings, GenericChain
 from rodgen.derive.link_properties import INERTIAS
 from rodgen.derive.loads import LOADS, TERMS
 from rodgen.derive.loads.base import Base
+from rodgen.derive.loads.contact import Contact
 from rodgen.derive.loads.distributed_follower import DistributedFollower
 from rodgen.derive.loads.follower import Follower
 from rodgen.derive.loads.foundation import Foundation
 from rodgen.derive.loads.gravity import Gravity
 from rodgen.derive.loads.internal_damping import InternalDamping
 from rodgen.derive.loads.joint_drag import JointDrag
+from rodgen.derive.loads.joint_law import JointLaw
 from rodgen.derive.loads.kinds import JointMoment, MassForce
 from rodgen.derive.loads.link_force import LinkForce
 from rodgen.derive.loads.point_force import PointForce
@@ -287,7 +289,8 @@ def test_scene_and_derivation_offer_the_same() -> None:
         terms.FORCE: PointForce,
         terms.COUPLE: PointMoment,
         terms.WEIGHT: MassForce,
-        terms.DAMPER: JointMoment,
+        terms.DAMPER: (JointMoment, JointLaw),
+        terms.CONTACT: Contact,
         terms.DRAG: JointDrag,
         terms.ANCHOR: (Foundation, Supports),
         terms.SPREAD: LinkForce,

@@ -20,7 +20,7 @@ from rodgen.show.analysis_pictures import equilibrium_shape, scene_at_start
 from rodgen.show.animation.motion import sample_motion
 from rodgen.show.branch_pictures import bifurcation_diagram
 from rodgen.show.event_marks import force_intervals
-from rodgen.show.marks import LONGEST_TURN, curved_arrow, draw_by_stability
+from rodgen.show.marks import LONGEST_TURN, OBSTACLE, curved_arrow, draw_by_stability
 from rodgen.show.picture_files import save_figures
 from rodgen.show.picture_settings import PictureSettings
 from rodgen.show.run_pictures import energies, phase_plot, trajectories
@@ -111,6 +111,20 @@ def test_couples_are_drawn_about_their_points_and_told_of() -> None:
     assert acting == {"moment_2": pytest.approx(0.25, abs=0.01)}
     (text,) = (t for t in scene_at_start(scene).legends[0].get_texts() if "-2" in t.get_text())
     assert text.get_text() == "couple -2\u00a0N m"
+
+
+def test_stops_and_walls_are_drawn_once_and_told_of() -> None:
+    """However many shapes there are, and beyond what is seen of a wall without being in the way."""
+    stop = {"at": 1.0, "direction": "pi/2", "gap": 0.3, "stiffness": 10.0}
+    wall = {"normal": "pi/2", "point": [0.0, -0.4], "stiffness": 10.0}
+    table = {**ROD, "stops": [stop], "walls": [wall], "integrate": {"span": [0.0, 0.2]}}
+    solution = rodgen.simulate(Scene.from_dict(table), progress=False)
+    for figure in (shapes(solution), scene_at_start(solution.scene)):
+        axes = figure.axes[0]
+        lines = [one.get_xydata() for one in axes.lines if one.get_gid() == OBSTACLE]
+        np.testing.assert_allclose([line[:, 1].mean() for line in lines], [0.3, -0.4], atol=1e-12)
+        assert np.ptp(axes.get_xlim()) < 5.0
+        assert "stops and walls" in axes.get_xlabel().replace("\n", " ")
 
 
 def test_pictures_say_when_a_force_acts_and_what_happened() -> None:

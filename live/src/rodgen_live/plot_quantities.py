@@ -179,8 +179,11 @@ def _scalars(scene: Scene, works: tuple[str, ...]) -> Iterator[tuple[PlotQuantit
         POWERS: {term: describe(term) for term in works},
         LOADS: {one.name: one.label for one in loads if one.timed and one.unit == "N"},
         ADDED: {name: name for name in scene.states},
+        **{one.kind: {} for one in scene.structure.contacts},
         "": {"": ""},
     }
+    for one in scene.structure.contacts:
+        terms[one.kind] |= {one.name: describe(one.name)}
     held = sorted({tie.link for tie in scene.anchors.support_points})
     for quantity in QUANTITIES:
         if quantity.name == "gravity_energy" and not scene.structure.potentials:

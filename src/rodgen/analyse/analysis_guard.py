@@ -13,7 +13,6 @@ from typing import TYPE_CHECKING, ParamSpec, TypeVar
 
 from rodgen.errors import AnalysisError, InputError
 from rodgen.memory import check_memory
-from rodgen.model.term import ANCHOR
 from rodgen.model.terms import TERMS
 from rodgen.result import warns_of_doubts
 from rodgen.scene.plain_tables import is_number, to_plain
@@ -103,7 +102,7 @@ def check_analysis_memory(
     tangents, 0 for all; few: links up to which all modes are computed.
     """
     size, states, structure = SIZES[analysis], len(system.structure.state_names), system.structure
-    anchored = any(TERMS[name].kind == ANCHOR for name in structure.loads)
+    anchored = any(TERMS[name].holds_joints for name in structure.loads)
     full = whole or bool(states or structure.has_feedback or anchored) or is_light(system)
 
     def needed_bytes(links: int) -> float:

@@ -19,7 +19,6 @@ from rodgen.integrate.quantity_formulas import MotionSlice
 from rodgen.integrate.simulate import simulate
 from rodgen.integrate.solution import RunError
 from rodgen.model.rod import CENTRE_ALONG, CLAMP_ANGLE, LINK_MASS, SPREAD_ALONG
-from rodgen.model.term import ANCHOR
 from rodgen.model.terms import BASE_ANGLE, TERMS
 from rodgen.result import Result, Row, omit_from_tables
 from rodgen.scene import Scene
@@ -161,8 +160,9 @@ class SteadyRod(HasInstant):
 
     @cached_property
     def has_supports(self) -> bool:
-        """Whether supports hold joints, so that the equations depend on their positions."""
-        return any(TERMS[name].kind == ANCHOR for name in self.system.structure.loads)
+        """Whether supports, stops or walls hold joints, so that the equations depend on their
+        positions."""
+        return any(TERMS[name].holds_joints for name in self.system.structure.loads)
 
     @cached_property
     def has_feedback(self) -> bool:

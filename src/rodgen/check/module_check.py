@@ -23,6 +23,7 @@ from rodgen.derive.base_motion import ORDERS
 from rodgen.errors import InputError
 from rodgen.loading.generated_module import call_module, structure_of
 from rodgen.memory import check_memory
+from rodgen.model.term import AT_LEAST_ONE, SIDE
 from rodgen.progress import report_stage
 from rodgen.result import Result, Row
 from rodgen.scene.link_parts import link_parameters_at, mesh_of
@@ -136,6 +137,13 @@ def _draw_parameters(module: ModuleType, t: float, draw: np.random.Generator) ->
         for name in values:  # of masses at both ends of a link, between them
             if name.endswith("_along"):
                 values[name] /= 5.1
+        for row in structure.rows:  # of contacts
+            if row.rule == SIDE:
+                values[row.name] = float(draw.choice([-1.0, 1.0]))
+            elif row.rule == AT_LEAST_ONE:
+                values[row.name] = 1.0 + values[row.name] / 5.0
+            elif row.key == "gap":
+                values[row.name] -= 2.5
         for name in values.keys() & {"bending_stiffness", "joint_stiffness"}:
             values[name] *= 20.0
         every = [*structure.open_expressions.values(), *structure.open_rates.values()]
@@ -251,6 +259,11 @@ def _compare(
             forces, order = module.forces(t, y, p), sorted(acting)
             got = np.concatenate([forces[term].ravel() for term in order])
             yield "forces", _vector_error(got, [c for x in order for f in acting[x] for c in f])
+        if by_hand := exact.contacts():
+            found = module.contacts(t, y, p)
+            names = found.keys() & by_hand.keys()
+            got = np.concatenate([np.ravel(found[name]) for name in names])
+            yield "contacts", _vector_error(got, [c for name in names for c in by_hand[name]])
         errors = []
         for link, share in ((0, 0.25), (module.N // 2, 0.0), (module.N - 1, 1.0)):
             force = values["mass"], -values["length"]  # any two numbers

@@ -126,7 +126,8 @@ class ReferenceChain:
     def _number(self, of: Any) -> Any:
         """Value of a symbol; None of the name of an array."""
         if isinstance(of, Indexed):
-            return (self.phi if of.base == phi else self.number[str(of.base)])[int(of.indices[0])]
+            values = self.phi if of.base == phi else self.value(of.base)
+            return values[int(of.indices[0])]
         number = self.number.get(str(of))
         return {m: self.m, l: self.l, k: self.k}.get(
             of, None if isinstance(number, list) else number

@@ -13,16 +13,22 @@ from sympy import IndexedBase
 
 from rodgen.check.reference_chain import FUNCTIONS, ReferenceChain, add, dot, matrix_vector
 from rodgen.derive.closed_form import ClosedForm
+from rodgen.derive.loads.contact import Contact
 from rodgen.derive.loads.foundation import Foundation
 from rodgen.derive.loads.joint_drag import JointDrag, JointMotion
+from rodgen.derive.loads.joint_law import BendMotion, JointLaw
+from rodgen.derive.loads.joint_stop import JointStop
 from rodgen.derive.loads.kinds import JointMoment, Load, MassForce
 from rodgen.derive.loads.link_force import LinkForce
 from rodgen.derive.loads.point_force import PointForce
+from rodgen.derive.loads.stop import Stop
 from rodgen.derive.loads.supports import LinkMotion, Supports
 from rodgen.derive.symbols import n
 from rodgen.model.rod import BOUNDARIES
 from rodgen.model.terms import EMPTYING, MOVING_BASE, PARAMETERS
+from rodgen.scene.contact_terms import stop_name
 from rodgen.scene.expression import Expression
+from rodgen.scene.grammar import OF_STOPS
 
 
 class ReferenceEquations(ReferenceChain):
@@ -42,7 +48,11 @@ class ReferenceEquations(ReferenceChain):
     def apply_laws(self, laws: Mapping[str, Expression], t: float) -> None:
         """Set numbers that follow the motion and rates of added states by their laws at t [s]."""
         for sensor in {sensor for law in laws.values() for sensor in law.sensors}:
-            self.signals[sensor.text] = self.sensor_value(sensor)
+            if sensor.what in OF_STOPS:
+                (push,) = self.contacts()[f"push_{stop_name(sensor)}"]
+                self.signals[sensor.text] = push
+            else:
+                self.signals[sensor.text] = self.sensor_value(sensor)
         for name, law in laws.items():
             value = mpf(0) + law.evaluate(mpf(t), self.signals, FUNCTIONS)
             if name in PARAMETERS:
@@ -95,7 +105,8 @@ class ReferenceEquations(ReferenceChain):
         """Forces and moments of loads that follow the motion, by joint or link."""
         forces: dict[IndexedBase, dict[int, Any]] = {}
         for load in self.acting.values():
-            forces |= {base: {} for base in load.force_arrays}
+            joints = self.boundary.spring_joints(self.n) if isinstance(load, JointLaw) else ()
+            forces |= {base: dict.fromkeys(joints, mpf(0)) for base in load.force_arrays}
             for at, motion in self._motions(load).items():
                 for base, component in zip(
                     load.force_arrays, self._force(load, motion), strict=True
@@ -104,8 +115,10 @@ class ReferenceEquations(ReferenceChain):
         return forces
 
     def _force(self, load: Any, motion: Any) -> tuple[Any, ...]:
-        if isinstance(load, JointDrag):
+        if isinstance(load, JointDrag | Stop):
             return load.force_by_hand(motion, self.value, mp)
+        if isinstance(load, JointLaw):
+            return (load.moment_by_hand(motion, self.value, mp),)
         spring = load.spring_by_hand(motion, self.value, mp)
         damper = load.damper_by_hand(motion, self.value, mp)
         return tuple(a + b for a, b in zip(spring, damper, strict=True))
@@ -119,7 +132,43 @@ class ReferenceEquations(ReferenceChain):
         if isinstance(load, Supports):
             first = self.boundary.first_in_motion
             return {q: self._link_motion(load, q) for q in range(first, self.n)}
-        return {}
+        if isinstance(load, Stop):
+            link = int(load.point.link.subs(n, self.n))
+            return {link: self._link_motion(load, link, self._share(load))}
+        if isinstance(load, JointStop):
+            at = int(load.point.link.subs(n, self.n))
+            return {at: self._bend_motions()[at]}
+        return self._bend_motions() if isinstance(load, JointLaw) else {}
+
+    def contacts(self) -> dict[str, list[Any]]:
+        """Depths, pushes and openings of contacts, by name, of a wall at every
+        joint that moves."""
+        out: dict[str, list[Any]] = {}
+        for name, load in self.acting.items():
+            if isinstance(load, Contact):
+                of = (load.state_by_hand(m, self.value, mp) for m in self._motions(load).values())
+                for what, found in zip(
+                    ("depth", "push", "opening"), zip(*of, strict=True), strict=True
+                ):
+                    out[f"{what}_{name}"] = list(found)
+        return out
+
+    @staticmethod
+    def _share(load: Stop) -> Any:
+        """Share of its link before the point of a stop."""
+        return mpf(load.point.share.p) / load.point.share.q
+
+    def _bend_motions(self) -> dict[int, BendMotion]:
+        """Motions of the joints with a spring, by number."""
+        rates = [self.clamp[1], *self.omega, self.clamp[1]]
+        found = {}
+        joints = self.boundary.spring_joints(self.n)
+        for s, (_, bend) in zip(joints, self._springs(), strict=True):
+            halves = [self.closed.length(q) / 2 for q in (s - 1, s) if 0 <= q < self.n]
+            bent = self.number.get("bent_length")
+            length = sum(halves) if bent is None else bent[s - joints.start]
+            found[s] = BendMotion(s, bend, rates[s + 1] - rates[s], length)
+        return found
 
     def _joint_motion(self, load: JointDrag, s: int) -> JointMotion:
         links = [q for q in (s - 1, s) if 0 <= q < self.n]
@@ -129,20 +178,25 @@ class ReferenceEquations(ReferenceChain):
         own = tuple(self.number[str(base)][s] for base in load.per_joint)
         return JointMotion(*v, mp.hypot(*v) or mpf(1), angle, len(links) * self.m / 2, own, *place)
 
-    def _link_motion(self, load: Supports, q: int) -> LinkMotion:
+    def _link_motion(self, load: Load, q: int, share: Any = None) -> LinkMotion:
+        """Motion of a point of a link: at a share of it, by default that of its support."""
         own = tuple(self.number[str(base)][q] for base in load.per_link)
+        share = own[0] if share is None else share
         steps = self.closed.joint_step(q), self.closed.velocity_step(q, self.omega[q])
         starts = self.joints()[q], self._velocities[q]
         place, velocity = (
-            tuple(a + own[0] * d for a, d in zip(start, step, strict=True))
+            tuple(a + share * d for a, d in zip(start, step, strict=True))
             for start, step in zip(starts, steps, strict=True)
         )
         return LinkMotion((*place, self.phi[q]), (*velocity, self.omega[q]), own)
 
     def _anchor_energy(self, load: Any) -> Any:
-        """Energy of the springs of a load: half their force times the displacement from rest, as
+        """Energy of the springs of a load: half their force times the displacement from rest, where
         the force is in proportion to that."""
         total = mpf(0)
+        if isinstance(load, Contact):
+            motions = self._motions(load).values()
+            return mp.fsum(load.energy_by_hand(one, self.value, mp) for one in motions)
         for motion in self._motions(load).values():
             force = load.spring_by_hand(motion, self.value, mp)
             rest = load.rest_by_hand(motion, self.value, mp)
@@ -152,7 +206,7 @@ class ReferenceEquations(ReferenceChain):
     def energy(self) -> list[Any]:
         kinetic = dot(self._rates, matrix_vector(self._whole.M(), self._rates)) / 2
         spring = mp.fsum(self._spring_energy(k, b) for k, b in self._springs())
-        anchors = (load for load in self.acting.values() if load.by_position)
+        anchors = (x for x in self.acting.values() if x.by_position or isinstance(x, Contact))
         spring += mp.fsum(map(self._anchor_energy, anchors))
         others = (self.acting[name] for name in self.structure.potentials)
         potential = mp.fsum(one.potential_by_hand(self.closed, self.value) for one in others)
@@ -217,6 +271,9 @@ class ReferenceEquations(ReferenceChain):
                 motions = self._motions(load).values()
                 forces = ((m, load.damper_by_hand(m, self.value, mp)) for m in motions)
                 power[term] = mp.fsum(dot(force, m.velocity) for m, force in forces)
+            elif isinstance(load, Contact | JointLaw):  # of dampers and friction
+                motions = self._motions(load).values()
+                power[term] = mp.fsum(load.lost_by_hand(m, self.value, mp) for m in motions)
         if self.boundary.moves:
             power[MOVING_BASE] = self._base_power()
         return power if self.emptying is None else power | {EMPTYING: self.emptying}
@@ -252,6 +309,9 @@ class ReferenceEquations(ReferenceChain):
         for load in self.acting.values():
             if isinstance(load, JointMoment):
                 moments = add(moments, self._damper_moments(load))
+            elif isinstance(load, JointLaw):
+                found = self.force_values[load.force_arrays[0]]
+                moments = [a - found.get(at, 0) for at, a in enumerate(moments)]
             elif load.term != MOVING_BASE:
                 inertia = [a - b for a, b in zip(inertia, self._whole_column(load), strict=True)]
         holding = inertia[2] - moments[1] if self.boundary.first else -moments[0]

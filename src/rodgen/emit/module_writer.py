@@ -19,13 +19,15 @@ from rodgen.emit.program import AnalysedFunction
 from rodgen.emit.statements import PAIR, Program
 from rodgen.emit.targets import TARGETS, check_output, required_parts, target_of
 from rodgen.model.rod import CLAMP_ANGLE, NONUNIFORM
-from rodgen.model.term import JOINTS, KNOTS, POSITIVE, Parameter
+from rodgen.model.term import AT_LEAST_ONE, JOINTS, KNOTS, POSITIVE, SIDE, Parameter
 from rodgen.model.terms import BASE_ANGLE, TERMS
 from rodgen.progress import EMITTING, report_stage
 from rodgen.scene.grammar import NUMPY
 from rodgen.scene.structure import Structure
 
 GUARD = "tests/reference.py"
+# Conditions of the rules that few parameters have.
+MORE_RULES = {AT_LEAST_ONE: "number >= 1", SIDE: "abs(number) == 1"}
 
 NO_ENERGY = "np.zeros_like(kinetic)"  # the contract has three energies, whatever the scene
 
@@ -163,6 +165,7 @@ def _context(
         "added": added,
         "added_rates": structure.open_rates,
         "signal_names": _signal_names(functions),
+        "contact_names": functions.contacts,
         "cubic": any(e.has_cubic for e in (*texts.values(), *laws)),
         "tables": any(e.has_table for e in (*laws, *moved)),
         "bends": any(e.has_table for e in moved),
@@ -201,7 +204,12 @@ def _context(
 
 def _signal_names(functions: Functions) -> dict[str, str]:
     """Variables of the computed signals, by the text that a scene has for each."""
-    named = {of.text: str(symbol) for of, symbol in functions.laws.sensor_symbols.items()}
+    named = {
+        of.text: str(symbol)
+        for of, symbol in functions.laws.sensor_symbols.items()
+        if of in functions.structure.sensors
+    }
+    named |= functions.laws.push_names
     return named | {str(symbol): str(symbol) for symbol in functions.laws.inputs}
 
 
@@ -274,6 +282,7 @@ def _parameter_context(structure: Structure) -> dict[str, Any]:
             _array_context(one, spans[one.name], places[one.name]) for one in rows if one.is_array
         ],
         "scalars": [one.name for one in single],
+        "more_rules": {rule: MORE_RULES[rule] for one in rows if (rule := one.rule) in MORE_RULES},
         "scalar_rules": [(one.name, one.rule) for one in single],
         "divisors": [one.name for one in single if one.rule == POSITIVE],
         "signature": [(one.name, _default_code(one)) for one in rows],

@@ -75,7 +75,7 @@ class NewtonMatrix:
             if self.equations.boundary_condition.translates:
                 for r, e in enumerate(form.base_by_number(number, self.n_links)):
                     out[f"base_input_{at}_{r}"] = SCALAR, e.subs({i: 0, n: self.n_links})
-        out |= {str(gain): (SCALAR, e) for gain, (_, _, e) in self.laws.gains.items()}
+        out |= {str(gain): (SCALAR, e) for gain, (_, _, e) in self.laws.seen_gains.items()}
         for at, (sensor, point) in enumerate(self.laws.points):
             if sensor.what in AXES and not point.held:
                 along = replace(link, high=point.link)

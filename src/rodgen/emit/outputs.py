@@ -11,7 +11,8 @@ from sympy import Add, Expr, Indexed, symbols
 from rodgen.derive.energies import Quantities
 from rodgen.derive.general import GeneralEquations
 from rodgen.derive.link_properties import INERTIAS
-from rodgen.derive.loads.kinds import GeneralisedForces, JointMoment
+from rodgen.derive.loads.contact import Contact
+from rodgen.derive.loads.kinds import GeneralisedForces, JointLoad
 from rodgen.derive.symbols import alpha, joint, joint_vx, joint_vy, joint_x, joint_y, s
 from rodgen.emit.chain_outputs import ChainFunctions, named_outputs, scalar_outputs
 from rodgen.emit.forces import forces, point_force
@@ -129,9 +130,25 @@ class Functions(ChainFunctions):
         }
         if self.structure.base_parameters:
             outputs["velocities"] = named_outputs(VELOCITIES, quantities.velocities)
+        if self.contacts:
+            outputs["contacts"] = self.contacts
         if self.laws.definitions:
             outputs["signals"] = scalar_outputs(self.laws.signal_expressions)
         return {name: self.compiler.compile(o, batch=True) for name, o in outputs.items()}
+
+    @cached_property
+    def contacts(self) -> Outputs:
+        """Depth, push and what else switches of contacts; of a wall at every
+        joint."""
+        equations, out = self.equations, Outputs()
+        joints = Domain((joint,), equations.boundary_condition.first_joint, self.n_links)
+        for name, load in equations.loads.items():
+            if isinstance(load, Contact):
+                along = joints if isinstance(load, JointLoad) else SCALAR
+                for what, e in load.contact(equations)._asdict().items():
+                    if e != 1:  # where nothing switches
+                        out[f"{what}_{name}"] = along, e
+        return out
 
     def kinetics(self) -> dict[str, Program]:
         """Programs of momenta, the moment of the clamps, forces of supports, and curvatures, for
@@ -171,7 +188,7 @@ class Functions(ChainFunctions):
         acting = {
             f"power_{term}": e
             for term, e in power.items()
-            if e != 0 and (self.has_springs or not isinstance(loads[term], JointMoment))
+            if e != 0 and (self.has_springs or not loads[term].across_joints)
         }
         if not self.variable_masses and not any(e.has(joint) for e in acting.values()):
             # The velocities of few joints are asked for: a sum each, not one for every joint.

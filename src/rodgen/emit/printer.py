@@ -15,6 +15,7 @@ from sympy import (
     Add,
     And,
     Expr,
+    Float,
     Heaviside,
     Max,
     Min,
@@ -39,7 +40,7 @@ from sympy import (
     tanh,
 )
 from sympy.core.relational import Relational
-from sympy.logic.boolalg import BooleanTrue
+from sympy.logic.boolalg import ITE, BooleanTrue
 
 from rodgen.emit.laws import LawFunction
 from rodgen.scene import grammar
@@ -131,10 +132,14 @@ class Printer:
             case Max() | Min():
                 extreme = self._dialect.functions[type(e)]
                 return reduce(lambda a, b: f"{extreme}({a}, {b})", map(self, e.args)), ATOM
+            case ITE():
+                condition, value, other = (self(part) for part in e.args)
+                choice = self._dialect.choice
+                return choice.format(condition=condition, value=value, other=other), ATOM
             case And() | Or():
                 joint = " & " if isinstance(e, And) else " | "
-                return joint.join(f"({self(part)})" for part in e.args), SUM
-            case NumberSymbol():
+                return joint.join(map(self._condition, e.args)), SUM
+            case NumberSymbol() | Float():
                 return repr(float(e)), ATOM
             case LawFunction():
                 signals = list(map(self, e.args))
@@ -142,6 +147,10 @@ class Printer:
         if type(e) in self._dialect.functions:
             return f"{self._dialect.functions[type(e)]}({self(e.args[0])})", ATOM
         raise TypeError(f"no text for {type(e).__name__}: {e}")
+
+    def _condition(self, e: Expr) -> str:
+        """Text of one of several conditions; one that was computed before is a number."""
+        return f"({self(e)} != 0)" if isinstance(e, Symbol) else f"({self(e)})"
 
     def _add(self, e: Add) -> str:
         terms = sorted(e.args, key=lambda a: (self._is_negative(a), a.sort_key()))
@@ -193,7 +202,7 @@ class Printer:
     def _pow(self, e: Pow) -> tuple[str, int]:
         if e.exp == Rational(1, 2):
             return f"{self._dialect.root}({self(e.base)})", ATOM
-        if e.exp < 0:
+        if e.exp.is_Rational and e.exp < 0:
             return f"1/{self._parenthesise(1 / e, POWER)}", PRODUCT
         base, strength = self._print(e.base)
         return self._dialect.power(base, self._parenthesise(e.exp, ATOM), strength)

@@ -28,7 +28,8 @@ PARTS = {
     "power": ("power",),
     "quantities": (
         *("energy", "joints", "centre_of_gravity", "inertia"),
-        *("bending_moments", "forces", "generalised_force", "signals", "velocities"),
+        *("bending_moments", "forces", "generalised_force", "contacts"),
+        *("signals", "velocities"),
     ),
     "kinetics": (
         *("momentum", "angular_momentum", "reaction_moment", "support_forces"),

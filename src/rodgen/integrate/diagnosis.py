@@ -157,6 +157,8 @@ def advice(reason: str, settings: IntegrationTable, load: bool) -> str:
     """Advice for a reason why a run stopped; load: a load was the cause."""
     if "chatters" in reason:
         return "give the law a slope there, as of max(-1, min(1, x/0.01)), or a hysteresis"
+    if "bounces" in reason:
+        return "soften the contact (stiffness), or end the span where it comes to rest"
     if load:
         return "end the span before that time, or give the load another expression"
     if "budget" in reason:

@@ -23,12 +23,12 @@ class Ensemble(Result):
     values: reductions by their texts, each (rods,) in SI units, not-a-number for runs that failed;
     t: times that the runs reached [s], (rods,); y: states at these times, (rods, states), in SI
     units and the order of the module's STATE; work: of each load without potential until then [J],
-    by term, each (rods,); status: "finished", "failed" or "chatters", (rods,); message: why a run
-    failed or which event ended it, by rod; nsteps, rejected, nfev: steps, rejected steps and
-    evaluations of the rates, (rods,), -1 if the method does not count them; energy_error: largest
-    error of the energy balance at the samples [J], (rods,), not-a-number for runs that failed;
-    crossed: crossings of watched quantities; traces: values of traced quantities in SI units,
-    (rods, traced, samples + 1), see `trace`; samples: their times [s].
+    by term, each (rods,); status: "finished", "failed", "chatters" or "bounces", (rods,); message:
+    why a run failed or which event ended it, by rod; nsteps, rejected, nfev: steps, rejected steps
+    and evaluations of the rates, (rods,), -1 if the method does not count them; energy_error:
+    largest error of the energy balance at the samples [J], (rods,), not-a-number for runs that
+    failed; crossed: crossings of watched quantities; traces: values of traced quantities in SI
+    units, (rods, traced, samples + 1), see `trace`; samples: their times [s].
 
     Examples
     --------

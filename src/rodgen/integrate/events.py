@@ -8,6 +8,7 @@ one of them.
 from __future__ import annotations
 
 import math
+from collections import deque
 from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
@@ -20,14 +21,14 @@ from numpy.typing import NDArray
 
 from rodgen.arrays import Array
 from rodgen.integrate.quantity_formulas import MotionSlice
-from rodgen.integrate.stepper import ChatterError, Interpolant
+from rodgen.integrate.stepper import BOUNCES, BounceError, ChatterError, Interpolant
 from rodgen.loading.generated_module import structure_of
 from rodgen.model.quantities import find_quantity
 from rodgen.scene.expression import Expression
 from rodgen.scene.integration import EventTable
-from rodgen.scene.time_laws import BENDS, Switch
+from rodgen.scene.time_laws import SIGNALS, Switch
 
-STATES, SIGNALS = "", "signals"  # in place of a quantity: the state itself, what laws follow
+STATES = ""  # in place of a quantity: the state itself
 # What laws of the motion switch at, in place of an event.
 SWITCHING = EventTable.model_construct(
     quantity="", value=0.0, direction="either", action="", name=""
@@ -71,7 +72,9 @@ class EventDetector:
         model: ModuleType,
         p: Array,
         switches: Sequence[Switch] = (),
+        moment: float = 0.0,
     ):
+        """moment: time [s] within which a thousand touches end the run."""
         self._switches, self._first = tuple(switches), len(events)
         columns = [(at, column) for at, one in enumerate(switches) for column in range(one.count)]
         self.events = (*events, *(SWITCHING for _ in columns))
@@ -84,11 +87,23 @@ class EventDetector:
         self._places = [self._place(event.quantity) for event in events]
         self._places += [(SIGNALS, place) for place in columns]
         self.happened: list[tuple[int, float, Array]] = []
+        self._moment, self._latest = moment, dict[int, deque[float]]()
 
     @cached_property
     def _has_feedback(self) -> bool:
         """Whether the module has sensors or loads that follow the motion."""
         return structure_of(self.model).has_feedback
+
+    @cached_property
+    def _touch_events(self) -> tuple[EventTable, ...]:
+        """Events of touching."""
+        every = structure_of(self.model).contact_events if self._touches else ()
+        return tuple(event for event in every if event.direction == "rising")
+
+    @cached_property
+    def _touches(self) -> bool:
+        """Whether the rod has contacts."""
+        return bool(structure_of(self.model).contacts)
 
     @cached_property
     def _time_laws(self) -> dict[str, Expression]:
@@ -123,8 +138,14 @@ class EventDetector:
         return sorted(found, key=lambda number: self.events[number].action == "stop")
 
     def record_event(self, number: int, t: float, y: Array) -> bool:
-        """Keep an event at time t [s] in state y (S,); True if it ends the run."""
+        """Keep an event at time t [s] in state y (S,); True if it ends the run. Raises BounceError
+        for touching without end."""
         self.happened.append((number, t, y.copy()))
+        if self.events[number] in self._touch_events:
+            latest = self._latest.setdefault(number, deque(maxlen=BOUNCES))
+            latest.append(t)
+            if len(latest) == BOUNCES and t - latest[0] <= self._moment:
+                raise BounceError(self.events[number].name)
         return self.events[number].action == "stop"
 
     def _place(self, name: str) -> tuple[str, Any]:
@@ -132,7 +153,10 @@ class EventDetector:
         axes."""
         if name in self.model.STATE:
             return STATES, (..., self.model.STATE.index(name))
-        quantity, at = find_quantity(name)
+        try:
+            quantity, at = find_quantity(name)
+        except KeyError:  # of a number by its own name
+            return name, (...,)
         return quantity.name, (..., *at)
 
     def values(
@@ -151,8 +175,10 @@ class EventDetector:
                 if name == SIGNALS:
                     switch, column = at
                     if switch not in switches:
-                        known = motion.values(SIGNALS) | {BENDS: motion.values(BENDS)}
-                        switches[switch] = self._switches[switch].law(motion.t, known)
+                        of = self._switches[switch]
+                        found = motion.values(of.reads)
+                        known = found if of.reads == SIGNALS else {of.reads: found}
+                        switches[switch] = of.law(motion.t, known)
                     values[..., number] = switches[switch][..., column]
                 else:
                     values[..., number] = (y if name == STATES else motion.values(name))[at]

@@ -19,7 +19,7 @@ from rodgen.integrate.reductions import Crossing, Numbers, Reduction, parse_all
 from rodgen.integrate.stretches import Stretches
 from rodgen.loading.generated_module import structure_of
 from rodgen.memory import check_memory
-from rodgen.model.term import ANY, KNOTS, NOT_NEGATIVE, POSITIVE
+from rodgen.model.term import ANY, KNOTS, holds
 from rodgen.scene.distribution import Distribution
 from rodgen.scene.integration import IntegrationTable
 from rodgen.scene.tables import RodTable
@@ -45,7 +45,7 @@ class ModuleFacts:
         boundary_condition = of.boundary_condition
         held = range(boundary_condition.first, of.n_links) if "supports" in of.loads else ()
         loads = loads_at_work(self.model), of.open_expressions
-        return Numbers.of(boundary_condition, of.n_links, *loads, of.state_names, held)
+        return Numbers.of(boundary_condition, of.n_links, *loads, of.state_names, held, of.contacts)
 
     def parse_reductions(self, texts: Sequence[str]) -> tuple[Reduction, ...]:
         """Parse reductions of its numbers from their texts. Raises InputError."""
@@ -89,7 +89,8 @@ class ModuleFacts:
     @cached_property
     def _has_switches(self) -> bool:
         """Whether a law of the motion switches at a sensor, a state or an angle it follows."""
-        return self._has_spring_corners or any(e.switches() for e in self.structure.laws.values())
+        laws = any(e.switches() for e in self.structure.laws.values())
+        return bool(self._has_spring_corners or self.structure.contacts or laws)
 
     @cached_property
     def _has_spring_corners(self) -> bool:
@@ -218,8 +219,7 @@ def _check_column(name: str, value: Any, count: int, rule: str) -> Array:
     if not count and array.ndim > 1:
         raise InputError(name, value, "a number, or (rods,)")
     column = array.reshape(-1, count or 1).astype(float)
-    allowed = {ANY: column == column, NOT_NEGATIVE: column >= 0, POSITIVE: column > 0}
-    wrong = ~(np.isfinite(column) & allowed[rule])
+    wrong = ~(np.isfinite(column) & holds(rule, column))
     if wrong.any():
         what = "" if rule == ANY else f", {rule}"
         raise InputError(name, float(column[wrong][0]), f"finite{what}")

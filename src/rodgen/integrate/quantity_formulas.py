@@ -5,7 +5,7 @@ Their names, and who shows them, stand in model/quantities.py.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from functools import cached_property, lru_cache
 from types import ModuleType
 from typing import Any, NamedTuple
@@ -16,9 +16,9 @@ from rodgen.arrays import Array
 from rodgen.errors import did_you_mean
 from rodgen.integrate.constraint_forces import forces_per_mass
 from rodgen.loading.generated_module import ModuleFunction, call_module, structure_of
-from rodgen.model.quantities import FORCES, QUANTITIES, Quantity
+from rodgen.model.quantities import CONTACTS, FORCES, JOINT_CONTACTS, QUANTITIES, Quantity
 from rodgen.model.rod import CLAMP_ANGLE, Boundary
-from rodgen.model.terms import BASE_ANGLE, PARAMETERS, describe
+from rodgen.model.terms import BASE_ANGLE, PARAMETERS, TERMS, describe
 from rodgen.scene.expression import Expression
 
 TURN = 1e-5  # rad, by which the links turn in a difference: errors are its square, and eps over it
@@ -106,8 +106,16 @@ class Motion:
         if not quantity.each:
             yield quantity.name, quantity.words
             return
-        for term in self.values("forces") if quantity.each == FORCES else self.work:
+        for term in self._terms(quantity.each):
             yield quantity.name.format(term), quantity.words.format(describe(term))
+
+    def _terms(self, each: str) -> Iterable[str]:
+        """Names of the loads that there is a quantity for each of."""
+        if each in (CONTACTS, JOINT_CONTACTS):
+            depths = (name for name in self.values("contacts") if name.startswith("depth_"))
+            names = (name.removeprefix("depth_") for name in depths)
+            return [x for x in names if TERMS[x].at_joints == (each == JOINT_CONTACTS)]
+        return self.values("forces") if each == FORCES else self.work
 
 
 class MotionSlice(Motion):
@@ -356,6 +364,21 @@ def _signals(motion: Motion) -> dict[str, Array]:
     return found | {name: motion.y[..., first + at] for at, name in enumerate(motion.extra_states)}
 
 
+def _of_contact(motion: Motion, what: str, name: str) -> Array:
+    """Depth or push of a contact: of a wall the largest depth and the sum of the
+    pushes of all joints, or those of one, wall_7."""
+    found, joint = motion.values("contacts"), ""
+    if f"{what}_{name}" not in found:
+        name, _, joint = name.rpartition("_")
+    value: Array = found[f"{what}_{name}"]
+    if value.shape == motion.t.shape:
+        return value
+    if joint:
+        return value[..., int(joint) - motion.boundary_condition.first_joint]
+    whole: Array = value.max(axis=-1) if what == "depth" else value.sum(axis=-1)
+    return whole
+
+
 FORMULAS: dict[str, Callable[[Motion], Any]] = {
     "t": lambda motion: motion.t,
     "phi": lambda motion: _of_all_links(motion, 0, _clamp_angle(motion)),
@@ -402,6 +425,7 @@ FORMULAS: dict[str, Callable[[Motion], Any]] = {
     "principal_moments": lambda motion: motion.values("principal_axes").moments,
     "signals": _signals,  # by name
     "forces": _of_times_and_states("forces"),  # by term
+    "contacts": lambda motion: _call_optional(motion, "contacts", motion.t) or {},  # by name
     "power": _of_times_and_states("power"),  # by term
 }
 ONLY = {row.name: row.only for row in QUANTITIES}  # what a boundary must be
@@ -410,4 +434,6 @@ OF_A_LOAD: dict[str, Callable[[Motion, str], Array]] = {
     "work": lambda motion, term: motion.work[term],
     "power": lambda motion, term: np.broadcast_to(motion.values("power")[term], motion.t.shape),
     "force": lambda motion, term: motion.values("forces")[term],
+    "depth": lambda motion, name: _of_contact(motion, "depth", name),
+    "push": lambda motion, name: _of_contact(motion, "push", name),
 }

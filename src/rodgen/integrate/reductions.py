@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 import re
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property, lru_cache
 from typing import Any, NamedTuple
 
@@ -22,6 +22,7 @@ from rodgen.integrate.quantity_formulas import Motion
 from rodgen.model.quantities import ADDED, LOADS, POWERS, QUANTITIES, WORKS, Index, numbers
 from rodgen.model.rod import Boundary
 from rodgen.native.native_batch import NUMBER, WATCHED
+from rodgen.scene.contact_terms import ContactTerm
 
 # Of times and values at the samples; those in C have the same names.
 REDUCTIONS: dict[str, Callable[[Array, Array], float]] = {
@@ -100,6 +101,7 @@ class Numbers:
     """All single numbers of the quantities of a rod: by name, the quantity and the index in it."""
 
     places: Mapping[str, tuple[str, Index]]
+    kinds: Mapping[str, str] = field(default_factory=dict)  # of numbers of contacts
 
     @classmethod
     def of(
@@ -110,12 +112,17 @@ class Numbers:
         loads: Iterable[str],
         added: Iterable[str],
         supported: Sequence[int] = (),
+        contacts: Iterable[ContactTerm] = (),
     ) -> Numbers:
         """Collect all numbers. works, loads, added: names of the loads that do work, of parameters
-        that change, and of states that are added; supported: links that supports may be on."""
+        that change, and of states that are added; supported: links that supports may be on;
+        contacts: of the rod."""
         works = tuple(works)
         each = {WORKS: works, POWERS: works, LOADS: tuple(loads), ADDED: tuple(added)}
         places: dict[str, tuple[str, Index]] = {"total_work": ("total_work", ())}
+        contacts = tuple(contacts)
+        for one in contacts:
+            each[one.kind] = (*each.get(one.kind, ()), *one.places)
         for quantity in QUANTITIES:
             if quantity.each:
                 named = (quantity.name.format(term) for term in each.get(quantity.each, ()))
@@ -123,7 +130,8 @@ class Numbers:
             else:
                 found = numbers(quantity, boundary, links, supported)
                 places |= {one.name: (quantity.name, one.at) for one in found}
-        return cls(places)
+        kinds = {name: one.kind for one in contacts for name in one.numbers}
+        return cls(places, kinds)
 
     def values(self, motion: Motion, name: str) -> Array:
         """Values of a number at all samples of a motion, (T,)."""

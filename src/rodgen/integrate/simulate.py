@@ -21,7 +21,15 @@ from rodgen.integrate.methods.method_choice import choose, make_integrator
 from rodgen.integrate.quantity_formulas import loads_at_work
 from rodgen.integrate.recorder import Recorder
 from rodgen.integrate.solution import Interrupted, RunError, Solution
-from rodgen.integrate.stepper import FAILED, FINISHED, INTERRUPTED, Stats, StepError, event_message
+from rodgen.integrate.stepper import (
+    FAILED,
+    FINISHED,
+    INTERRUPTED,
+    MOMENT,
+    Stats,
+    StepError,
+    event_message,
+)
 from rodgen.integrate.stretches import EventStop, Stretches
 from rodgen.integrate.trajectory import Event
 from rodgen.memory import check_memory, format_gigabytes, is_small, memory_limit
@@ -256,7 +264,9 @@ class _Simulation:
         self.system, self.model = system, model = saver.system, saver.model
         self.settings, self.notes = system.settings, notes
         switches = () if self.settings.has_fixed_step else system.time_laws.switches()
-        self.watch = EventDetector(system.events, model, system.p, switches)
+        begin, end = self.settings.span
+        watched = system.events, model, system.p, switches
+        self.watch = EventDetector(*watched, MOMENT * (end - begin))
         self.start = self._told = time.perf_counter()
         start, y0 = self.settings.span[0], system.y0
         with np.errstate(all="ignore"):  # of a state that cannot be integrated

@@ -23,7 +23,7 @@ from rodgen.integrate.module_facts import ModuleFacts, facts_of
 from rodgen.integrate.quantity_formulas import MotionSlice, loads_at_work
 from rodgen.integrate.recorder import Recorder
 from rodgen.integrate.reductions import Crossing, Reduction
-from rodgen.integrate.stepper import FAILED, FINISHED, StepError, event_message
+from rodgen.integrate.stepper import FAILED, FINISHED, MOMENT, StepError, event_message
 from rodgen.integrate.stretches import Integrator, Stretches
 from rodgen.model.methods import METHODS
 from rodgen.native.native_batch import REACHED, STOPPED
@@ -322,7 +322,9 @@ def _run_rod(
     """Run a rod to its end, and return its reductions and the largest error of its energy balance
     [J]. Raises StepError."""
     laws, fixed = facts.time_laws(settings.span, p), settings.has_fixed_step
-    watch = EventDetector((), facts.model, p, () if fixed else laws.switches())
+    switches, (begin, end) = () if fixed else laws.switches(), settings.span
+    touching, moment = facts.structure.contact_events, MOMENT * (end - begin)
+    watch = EventDetector(touching, facts.model, p, switches, moment)
     Stretches.of(laws, fixed).walk(machine, recorder, watch, settings.step_limit)
     t, y, work = recorder.in_memory()
     at_start = MotionSlice(facts.model, p, start[None], np.array(settings.span[:1]))

@@ -81,11 +81,11 @@ class Solution(Trajectory, Result, Plottable):
     system: what was run; t: times [s], (T,); y: states in SI units and the order of the module's
     STATE, (T, states); stats: numbers of steps and of calls, and the seconds; work: work done by
     each load without potential since the start [J], by term, each (T,); status: "finished",
-    "failed", "chatters" or "interrupted"; message: how the run ended; model: the generated module,
-    built when it is first used if the solution comes from a file; events: that happened; changes:
-    parameters at each sample of a live run whose values were changed, else None; errors: growth of
-    small errors, if that was asked for (a file does not keep it); run_notes: what was doubtful
-    before the first step.
+    "failed", "chatters", "bounces" or "interrupted"; message: how the run ended; model: the
+    generated module, built when it is first used if the solution comes from a file; events: that
+    happened; changes: parameters at each sample of a live run whose values were changed, else None;
+    errors: growth of small errors, if that was asked for (a file does not keep it); run_notes: what
+    was doubtful before the first step.
 
     Examples
     --------

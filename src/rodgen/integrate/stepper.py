@@ -13,6 +13,7 @@ import numpy as np
 from rodgen.arrays import Array
 from rodgen.scene.integration import IntegrationTable
 
+BOUNCES, MOMENT = 1000, 1e-3  # touches, and the share of the span within which they are too many
 Rhs = Callable[[float, Array], Array]
 Interpolant = Callable[[Array], Array]
 
@@ -104,11 +105,27 @@ class ChatterError(StepError):
         return type(self), (self.cause,)
 
 
+class BounceError(StepError):
+    """The rod bounces on something ever more often, without end.
+
+    event: name of the touching that happens so often.
+    """
+
+    status = "bounces"
+
+    def __init__(self, event: str):
+        super().__init__(f"it bounces without end, {event!r} {BOUNCES} times in a moment")
+        self.event = event
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return type(self), (self.event,)
+
+
 FINISHED, FAILED, INTERRUPTED = "finished", StepError.status, "interrupted"
-CHATTERS = ChatterError.status
+CHATTERS, BOUNCING = ChatterError.status, BounceError.status
 TOO_LONG = "too long"  # of a point of a study
-ENDED = (FINISHED, FAILED, CHATTERS)  # and cannot be gone on with
-NO_RESULT = (FAILED, CHATTERS, TOO_LONG)
+ENDED = (FINISHED, FAILED, CHATTERS, BOUNCING)  # and cannot be gone on with
+NO_RESULT = (FAILED, CHATTERS, BOUNCING, TOO_LONG)
 
 
 class Stepper(Protocol):

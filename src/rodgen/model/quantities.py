@@ -17,6 +17,7 @@ from rodgen.model.term import typeset
 FILE, DATASET, SHOWN = "file", "dataset", "shown"
 # What there is a quantity for each of.
 WORKS, POWERS, FORCES, LOADS, ADDED = "works", "powers", "forces", "loads", "added states"
+CONTACTS, JOINT_CONTACTS = "contacts", "contacts in joints"
 OWN = "own"  # the kind of expressions that somebody types
 SUBSCRIPTS = str.maketrans("0123456789", "₀₁₂₃₄₅₆₇₈₉")
 Index = tuple[int, ...]
@@ -137,6 +138,14 @@ QUANTITIES = (
         {"support_force_{}_x": "support{} x", "support_force_{}_y": "support{} y"}, kept=SHOWN),
     Quantity("support_moment", "N m", "moments of the supports on the links", SUPPORTED,
         {"support_moment_{}": "support{} moment"}, kept=SHOWN),
+    Quantity("depth_{}", "m", "depth by which {} is pressed, negative while it is apart", (),
+        {"depth_{}": "depth of {}"}, kept=SHOWN, each=CONTACTS),
+    Quantity("push_{}", "N", "force with which {} pushes", (), {"push_{}": "push of {}"},
+        kept=SHOWN, each=CONTACTS),
+    Quantity("depth_{}", "rad", "bend by which {} is pressed, negative while it is apart", (),
+        {"depth_{}": "depth of {}"}, "joint_depth", SHOWN, JOINT_CONTACTS),
+    Quantity("push_{}", "N m", "moment with which {} pushes", (), {"push_{}": "moment of {}"},
+        "joint_push", SHOWN, JOINT_CONTACTS),
     Quantity("momentum", "N s", "momentum", AXIS,
         _point("momentum_", "the momentum"), "momentum", SHOWN),
     Quantity("angular_momentum", "N m s",
@@ -197,6 +206,10 @@ KINDS = dict(
         _kind("support_force_x", "force x", "x of the forces of the supports"),
         _kind("support_force_y", "force y", "y of the forces of the supports"),
         _kind("support_moment", "moment", "moments of the supports"),
+        _kind("depth", "depth", "depths of contacts"),
+        _kind("push", "push", "forces of contacts"),
+        _kind("joint_depth", "depth", "depths of stops in joints"),
+        _kind("joint_push", "moment", "moments of stops in joints"),
         _kind("joint_x", "x", "x of the joints"),
         _kind("joint_y", "y", "y of the joints"),
     )

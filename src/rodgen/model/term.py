@@ -10,6 +10,7 @@ from dataclasses import KW_ONLY, dataclass, replace
 from typing import Any, TypeVar
 
 ANY, NOT_NEGATIVE, POSITIVE = "any", "at least 0", "positive"
+AT_LEAST_ONE, SIDE = "at least 1", "1 or -1"
 # What a parameter of several numbers has one for: see Structure.spans.
 JOINTS, LINKS, SPRINGS = "joint", "link", "joint with a spring"
 KNOTS = "row of a table, its knots first"
@@ -23,6 +24,25 @@ DAMPER = "damping moment across joints"
 DRAG = "damping forces on joints"
 ANCHOR = "springs and dampers from joints to the ground"
 BASE = "motion of what holds the start"
+CONTACT = "what pushes while it is pressed"
+
+
+def holds(rule: str, numbers: Any) -> Any:
+    """Whether a rule allows numbers, each of an array."""
+    match rule:
+        case "any":
+            return numbers == numbers
+        case "at least 0":
+            return numbers >= 0
+        case "positive":
+            return numbers > 0
+        case "from 0 to 1":
+            return (numbers >= 0) & (numbers <= 1)
+        case "at least 1":
+            return numbers >= 1
+        case "1 or -1":
+            return abs(numbers) == 1
+    raise ValueError(rule)
 
 
 @dataclass(frozen=True, slots=True)
@@ -39,9 +59,10 @@ class Parameter:
     KNOTS, where it is several; scales: the load is in proportion to it; decades: a slider moves
     over powers of ten; most: the largest value that it may have; fixed: another value needs another
     module; optional: a module has it only where a scene has its key; unless: the key of optional
-    ones that stand in its place where a scene has that; links_power: for one and the same rod it
-    grows as this power of the number of links; by_mass: its effect is in proportion to the mass of
-    the links at the start of the span.
+    ones that stand in its place where a scene has that; beside: the key of an optional one with
+    which it is there; computed: that of a scene without its key follows from the rod; links_power:
+    for one and the same rod it grows as this power of the number of links; by_mass: its effect is
+    in proportion to the mass of the links at the start of the span.
     """
 
     name: str
@@ -63,6 +84,8 @@ class Parameter:
     fixed: bool = False
     optional: bool = False
     unless: str = ""
+    beside: str = ""
+    computed: bool = False
     links_power: int = 0
     by_mass: bool = False
 
@@ -73,7 +96,14 @@ class Parameter:
 
     def is_there(self, keys: Collection[str]) -> bool:
         """Whether a module has it that has the optional parameters of these keys."""
-        return self.key in keys if self.optional else not (self.unless and self.unless in keys)
+        if self.optional:
+            return self.option in keys
+        return not (self.unless and self.unless in keys)
+
+    @property
+    def option(self) -> str:
+        """Key with which a module has it, of an optional one."""
+        return self.beside or self.key
 
     @property
     def is_signed(self) -> bool:
@@ -121,7 +151,7 @@ class Term:
     the thesis's terms, which a structure has that names none; placed: a scene may have several,
     each on a point of its own, by default the tail; given: the numbers of its table, where those of
     the module are others; array: a scene has an array of its tables; kinked: damping without a
-    linear part about a rest that is bent.
+    linear part about a rest that is bent; at_joints: it is placed on joints alone.
     """
 
     name: str
@@ -139,6 +169,12 @@ class Term:
     given: tuple[Parameter, ...] = ()
     array: bool = False
     kinked: bool = False
+    at_joints: bool = False
+
+    @property
+    def options(self) -> tuple[str, ...]:
+        """Keys of its optional parameters."""
+        return tuple(dict.fromkeys(one.option for one in self.parameters if one.optional))
 
     @property
     def words(self) -> str:
@@ -149,7 +185,12 @@ class Term:
     def base_name(self) -> str:
         """Name without a number: of the first load of this kind."""
         found = NUMBERED.fullmatch(self.name)
-        return found[1] if found and self.placed else self.name
+        return found[1] if found and self.is_several else self.name
+
+    @property
+    def is_several(self) -> bool:
+        """Whether a scene may have several."""
+        return self.placed or self.kind == CONTACT
 
     @property
     def is_damping(self) -> bool:
@@ -164,7 +205,12 @@ class Term:
     @property
     def is_load(self) -> bool:
         """Whether it is a table of [loads]; others follow from tables of their own."""
-        return self.kind not in (ANCHOR, BASE)
+        return self.kind not in (ANCHOR, BASE, CONTACT)
+
+    @property
+    def holds_joints(self) -> bool:
+        """Whether it acts by where joints are."""
+        return self.kind == ANCHOR or (self.kind == CONTACT and not self.at_joints)
 
     @property
     def size_parameters(self) -> tuple[Parameter, ...]:
@@ -188,7 +234,7 @@ class Term:
         those that have no initial value, and optional ones without a first value."""
         found: dict[str, Any] = {}
         for one in self.given or self.parameters:
-            unasked = one.optional and one.first is None
+            unasked = (one.optional and one.first is None) or one.computed
             if one.initial_value is None or one.each == JOINTS or unasked:
                 continue
             if one.part is not None:

@@ -29,7 +29,9 @@ from rodgen.model.rod import (
 )
 from rodgen.model.term import (
     ANCHOR,
+    AT_LEAST_ONE,
     BASE,
+    CONTACT,
     COUPLE,
     DAMPER,
     DRAG,
@@ -37,12 +39,57 @@ from rodgen.model.term import (
     JOINTS,
     LINKS,
     NOT_NEGATIVE,
+    POSITIVE,
+    SIDE,
     SPREAD,
     WEIGHT,
     NumberedRows,
     Parameter,
     Term,
 )
+
+
+def _law(name: str, unit: str, per_length: bool = False) -> tuple[Parameter, ...]:
+    """Parameters of the law of a contact, k d^e max(0, 1 + c d'), by the unit of its depth d."""
+    force = "N m" if unit == "rad" else "N/m" if per_length else "N"
+    words, per = name.replace("_", " "), " per length of rod" * per_length
+    stiffness = "N/m^2" if per_length else f"{force}/{unit}"
+    exponent = Parameter(
+        f"{name}_exponent",
+        "exponent",
+        f"exponent of the {words}",
+        "e",
+        "",
+        "e: the push grows as this power of the depth, of two spheres 1.5; `stiffness` is over "
+        f"that power of {unit}; without it 1",
+        rule=AT_LEAST_ONE,
+        optional=True,
+    )
+    return (
+        Parameter(
+            f"{name}_stiffness",
+            "stiffness",
+            f"stiffness of the {words}",
+            "k",
+            stiffness,
+            f"k: push over the depth d{per} []",
+            rule=POSITIVE,
+            first=1000.0,
+            decades=True,
+        ),
+        *(() if per_length else (exponent,)),
+        Parameter(
+            f"{name}_damping",
+            "damping",
+            f"damping of the {words}",
+            "c",
+            f"s/{unit}",
+            "c: the push is k d^e max(0, 1 + c d') with the rate d' of its depth []; without it 0",
+            rule=NOT_NEGATIVE,
+            optional=True,
+        ),
+    )
+
 
 # Terms: name, table, label, symbol, kind, words. Parameters: name, key, label, symbol, unit, words.
 # fmt: off
@@ -170,13 +217,67 @@ ROWS = (
         Parameter("base_angle", "angle", "base angle", "", "rad",
             "angle of the clamp, added to `clamp_angle` []", timed=True, optional=True),
     )),
+    Term("joint_friction", "joint_friction", "joint friction", "", DAMPER,
+        "moment m_f tanh(rate/rate_s) against the rate at which a joint bends, in every joint with "
+        "a spring", parameters=(
+        Parameter("joint_friction_moment", "moment_per_joint", "friction of a joint", "", "N m",
+            "m_f, the moment of every joint []",
+            rule=NOT_NEGATIVE, default=0.0, first=0.01, unless="moment_per_length"),
+        Parameter("joint_friction_per_length", "moment_per_length", "joint friction per length",
+            "", "N", "in its place the moment over the length that bends in a joint []",
+            rule=NOT_NEGATIVE, optional=True),
+        Parameter("joint_friction_rate", "rate", "rate of joint friction", "", "rad/s",
+            "rate_s, below which the moment falls to zero: a joint under a moment M creeps at "
+            "rate_s atanh(M/m_f) []", rule=POSITIVE, first=0.001, decades=True),
+    )),
+    Term("stop", "stops", "stop", "", CONTACT,
+        "something that a point of the rod runs against", placed=True, array=True, parameters=(
+        Parameter("stop_direction", "direction", "direction of the stop", "", "rad",
+            "of the way of the point towards the stop []", first=1.57),
+        Parameter("stop_gap", "gap", "gap of the stop", "", "m",
+            "way in that direction until it touches []", default=0.0, first=0.1),
+        Parameter("stop_x", "to", "stop, x", "", "m",
+            "place from which the way is counted []; without it that of the rod without load",
+            part=0, default=0.0, computed=True),
+        Parameter("stop_y", "to", "stop, y", "", "m",
+            "place from which the way is counted []; without it that of the rod without load",
+            part=1, default=0.0, computed=True),
+        *_law("stop", "m"),
+    )),
+    Term("joint_stop", "joint_stops", "joint stop", "", CONTACT,
+        "limit of the bend of a joint", placed=True, at_joints=True, array=True, parameters=(
+        Parameter("joint_stop_direction", "direction", "side of the joint stop", "", "",
+            "side to which the joint bends until it touches: 1 left, -1 right",
+            rule=SIDE, first=1.0),
+        Parameter("joint_stop_gap", "gap", "gap of the joint stop", "", "rad",
+            "bend to that side from its rest until it touches []", first=0.1),
+        *_law("joint_stop", "rad"),
+    )),
+    Term("wall", "walls", "wall", "", CONTACT,
+        "half plane that the joints run against, with friction along it", array=True, parameters=(
+        Parameter("wall_normal", "normal", "normal of the wall", "", "rad",
+            "direction away from the wall []", first=1.57),
+        Parameter("wall_x", "point", "wall, x", "", "m", "a point of its surface []", part=0,
+            default=0.0),
+        Parameter("wall_y", "point", "wall, y", "", "m", "a point of its surface []", part=1,
+            default=0.0),
+        Parameter("wall_edge", "edge", "edge of the wall", "", "m",
+            "its end, so far to the right of the normal from `point`, where it goes on at a right "
+            "angle []; without it none", optional=True),
+        *_law("wall", "m", per_length=True),
+        Parameter("wall_friction", "friction", "friction of the wall", "μ", "",
+            "mu: force of friction over the push", rule=NOT_NEGATIVE, optional=True),
+        Parameter("wall_friction_speed", "friction_speed", "speed of friction", "", "m/s",
+            "v_s, below which friction falls to zero, mu N tanh(v/v_s) []", rule=POSITIVE,
+            optional=True, beside="friction"),
+    )),
 )
 # fmt: on
 
 
 @lru_cache(maxsize=1024)  # of the many that a scene may have, which are asked for often
 def _numbered_term(name: str, number: int, rest: str) -> Term | None:
-    term = next((term for term in ROWS if term.name == name and term.placed), None)
+    term = next((term for term in ROWS if term.name == name and term.is_several), None)
     return None if term is None or rest else term.with_number(number)
 
 
@@ -264,7 +365,9 @@ CONVERTED: dict[str, tuple[tuple[Parameter, ...], str]] = {
     "bodies": (BODY, "body"),
     "foundation": (FOUNDATION, ""),
     "supports": (SUPPORT, "support"),
+    **{term.table: (term.parameters, term.label) for term in ROWS if term.kind == CONTACT},
 }
+CONTACTS = tuple(term for term in ROWS if term.kind == CONTACT)
 
 
 # Labels of numbers of a scene that no row has.

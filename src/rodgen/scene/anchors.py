@@ -111,8 +111,9 @@ class Anchors:
         """Angle of the straight rod [rad]."""
         return float(self.rod.clamp_angle or self.turned)
 
-    def fixed_point(self, support: SupportTable) -> tuple[float, float]:
-        """Fixed point of a support [m]; by default where the rod without load has its point."""
+    def fixed_point(self, support: Any) -> tuple[float, float]:
+        """Fixed point of the table of a support or a stop [m]; by default where the rod without
+        load has its point."""
         if support.to is not None:
             return float(support.to[0]), float(support.to[1])
         shape = Distribution(self.rod, self.bodies, self.numbers).rest_shape

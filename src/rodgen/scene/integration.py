@@ -234,14 +234,17 @@ class EventTable(Table):
         return self
 
 
-def check_events(events: list[EventTable], rod: RodTable, states: Iterable[str]) -> None:
+def check_events(
+    events: list[EventTable], rod: RodTable, single: Iterable[str], taken: Iterable[str]
+) -> None:
     """Raise InputError for an event whose quantity this rod lacks, or whose name is not its own;
-    states: names of the added states."""
+    single: names of more numbers that it has; taken: names of events that it has anyway."""
     known = [
         *watchable_names(BOUNDARIES[rod.boundary], rod.links),
-        *((name, range(1)) for name in states),
+        *((name, range(1)) for name in single),
     ]
     first: dict[str, int] = {}
+    own = {*taken}
     for i, event in enumerate(events):
         if not any(parse_number(event.quantity, name) in span for name, span in known):
             ends = [(name.format(span[0]), name.format(span[-1])) for name, span in known]
@@ -251,5 +254,7 @@ def check_events(events: list[EventTable], rod: RodTable, states: Iterable[str])
         name, place = event.name, f"events[{i}].name"
         if not (0 < len(name) <= 64 and name.isprintable() and name.strip()):
             raise InputError(place, name, "1 to 64 printable characters")
+        if name in own:
+            raise InputError(place, name, "another name: that is recorded anyway")
         if first.setdefault(name, i) != i:
             raise InputError(place, name, f"unlike that of events[{first[name]}]")

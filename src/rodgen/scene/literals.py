@@ -33,7 +33,7 @@ TAKEN = {"t", "s", "d", "k", "p", "y", "np", "math", "fins", "N", "pi", TABLE, *
 # A number of an expression without a name, or a table.
 MADE = re.compile(r"(.+?)_(?:knot_|value_|table_)?\d+")
 OF_LOADS = ("work_", "power_", "force_")  # before the name of a load, its quantities
-SENSORS = re.compile(r"(phi|omega|x|y|vx|vy)(_?\d+)?")
+SENSORS = re.compile(r"(phi|omega|x|y|vx|vy|stop|joint_stop)(_?\d+)?")
 
 
 @dataclass(frozen=True)

@@ -1,24 +1,37 @@
-"""The tables of loads: a key for every parameter of a term."""
+"""The tables of terms: a key for every parameter."""
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from functools import cached_property
 from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Self
 
 from pydantic import Field, create_model, model_validator
 
-from rodgen.errors import InputError
-from rodgen.model.term import ANY, JOINTS, LINKS, NOT_NEGATIVE, POSITIVE, Parameter, Term
+from rodgen.errors import InputError, Missing
+from rodgen.model.term import (
+    ANY,
+    AT_LEAST_ONE,
+    JOINTS,
+    LINKS,
+    NOT_NEGATIVE,
+    POSITIVE,
+    SIDE,
+    Parameter,
+    Term,
+)
 from rodgen.model.terms import TERMS
 from rodgen.scene.number_text import Expressed
 from rodgen.scene.plain_tables import get_at
 from rodgen.scene.rod_mesh import RodMesh
 from rodgen.scene.tables import (
+    AtLeastOne,
     Factors,
     Finite,
     NotNegative,
     Positive,
     Share,
+    Side,
     Sizes,
     Table,
     Values,
@@ -40,10 +53,13 @@ class FinFactor(Table):
 
 
 RULES: dict[str, Any] = {ANY: Finite, NOT_NEGATIVE: NotNegative, POSITIVE: Positive}
+RULES |= {AT_LEAST_ONE: AtLeastOne, SIDE: Side}
 EXPRESSED: dict[str, Any] = {
     ANY: Expressed[Finite],
     NOT_NEGATIVE: Expressed[NotNegative],
     POSITIVE: Expressed[Positive],
+    AT_LEAST_ONE: Expressed[AtLeastOne],
+    SIDE: Side,
 }
 VALUES: dict[str, Any] = {ANY: Values, NOT_NEGATIVE: Factors, POSITIVE: Sizes}
 
@@ -64,13 +80,13 @@ def _make_field(parameter: Parameter) -> tuple[Any, Any]:
         # A type that is known when this runs, which annotations are not asked to tell.
         kind = Annotated[list[kind], Field(min_length=2, max_length=2)]  # type: ignore[valid-type]
         default = [parameter.default] * 2
-    if parameter.optional:
+    if parameter.optional or parameter.computed:
         return kind | None, None
     return kind, ... if default is None else default
 
 
-class LoadTable(Table):
-    """Base class of the tables in [loads]. term: its row in the vocabulary."""
+class TermTable(Table):
+    """Base class of the tables of terms. term: its row in the vocabulary."""
 
     term: ClassVar[Term]
 
@@ -78,21 +94,28 @@ class LoadTable(Table):
     def _leave_out(self) -> Self:
         """Leave out the keys in place of which another stands. Raises InputError for both."""
         for one in self.term.parameters:
+            value, where = getattr(self, one.key), f"loads.{self.term.table}." * self.term.is_load
             if one.unless and getattr(self, one.unless) is not None:
                 if one.key in self.model_fields_set:
-                    field, value = f"loads.{self.term.table}.{one.key}", getattr(self, one.key)
-                    raise InputError(field, value, f"absent beside {one.unless}")
+                    raise InputError(f"{where}{one.key}", value, f"absent beside {one.unless}")
                 self.__dict__[one.key] = None
+            if one.beside and (value is None) != (getattr(self, one.beside) is None):
+                allowed = f"absent without {one.beside}"
+                if value is None:
+                    value, allowed = Missing(), f"given beside {one.beside}"
+                raise InputError(f"{where}{one.key}", value, allowed)
         return self
 
 
-def _make_load_table(term: Term) -> type[Table]:
-    """Make the class of a term's table in [loads], in this module so that scenes can be pickled."""
+def make_term_table(term: Term) -> type[Table]:
+    """Make the class of a term's table, in this module so that scenes can be pickled."""
     name = term.table.title().replace("_", "")
     fields: dict[str, Any] = {one.key: _make_field(one) for one in term.parameters}
-    if term.placed:
+    if term.placed and term.is_load:
         fields["at"] = Expressed[Share], Field(1.0, exclude_if=lambda at: at == 1)
-    made = create_model(name, __base__=LoadTable, __module__=__name__, __doc__=term.label, **fields)
+    elif term.placed:
+        fields["at"] = Expressed[Share], ...
+    made = create_model(name, __base__=TermTable, __module__=__name__, __doc__=term.label, **fields)
     made.term = term
     globals()[name] = made
     return made
@@ -100,7 +123,7 @@ def _make_load_table(term: Term) -> type[Table]:
 
 def _table_type(term: Term) -> Any:
     """Type of a term's key in [loads]: a table or, for a load at a place, several."""
-    one = _make_load_table(term)
+    one = make_term_table(term)
     # A type that is known when this runs, as above.
     several = Annotated[list[one], Field(max_length=MOST_PLACED)]  # type: ignore[valid-type]
     return one | several | None if term.placed else one | None
@@ -109,28 +132,22 @@ def _table_type(term: Term) -> Any:
 LOADS = [term for term in TERMS.values() if term.is_load]
 
 
-class LoadTables(Table):
-    """Base class of [loads], with properties that hold for any set of loads."""
+class TermTables:
+    """Tables of terms, and the parameters of the module that they give."""
 
-    if TYPE_CHECKING:  # a table for every term
-
-        def __getattr__(self, name: str) -> Any: ...
+    ROWS: ClassVar[Sequence[Term]]
+    PATH: ClassVar[tuple[str, ...]]  # of keys, to these tables
 
     @property
     def terms(self) -> tuple[str, ...]:
-        """Names of the loads whose tables are there."""
+        """Names of the terms whose tables are there."""
         return tuple(self.table_keys)
-
-    @property
-    def follower_loads(self) -> tuple[str, ...]:
-        """Names of the loads that turn with the rod."""
-        return tuple(name for name in self.terms if TERMS[name].follows)
 
     @cached_property
     def table_keys(self) -> dict[str, tuple[str, ...]]:
-        """Keys of the table of every load, by name."""
+        """Keys of the table of every term, by name."""
         found: dict[str, tuple[str, ...]] = {}
-        for term in LOADS:
+        for term in self.ROWS:
             table = getattr(self, term.table)
             if isinstance(table, list):
                 names = (f"{term.name}_{k + 1}" if k else term.name for k in range(len(table)))
@@ -141,34 +158,52 @@ class LoadTables(Table):
 
     @cached_property
     def key_paths(self) -> dict[str, tuple[str, ...]]:
-        """Keys of every parameter of these loads in a scene, from the outermost table in."""
-        return {
-            one.name: ("loads", *keys, *one.key_path)
-            for name, keys in self.table_keys.items()
-            for one in TERMS[name].parameters
-            if getattr(get_at(self, *keys), one.key) is not None
-        }
+        """Keys of every parameter of these terms in a scene, from the outermost table in."""
+        found = {}
+        for name, keys in self.table_keys.items():
+            table = get_at(self, *keys)
+            for one in TERMS[name].parameters:
+                if getattr(table, one.key) is not None or one.computed:
+                    found[one.name] = (*self.PATH, *keys, *one.key_path)
+        return found
 
     @property
     def parameters(self) -> tuple[str, ...]:
-        """Names of the parameters of these loads."""
+        """Names of the parameters of these terms."""
         return tuple(self.key_paths)
 
     def terms_with_places(self, mesh: RodMesh) -> tuple[str, ...]:
-        """Names of the loads with their positions on the links, or with the optional key that they
+        """Names of the terms with their positions on the links, and the optional keys that they
         have."""
         found, given = [], self.key_paths
         for name, keys in self.table_keys.items():
             term = TERMS[name]
             place = mesh.place_text(getattr(get_at(self, *keys), "at", 1.0))
-            options = [one.key for one in term.parameters if one.optional and one.name in given]
-            place = "+".join(dict.fromkeys(options)) or place
+            options = [one.option for one in term.parameters if one.optional and one.name in given]
+            place = "+".join(dict.fromkeys([place, *options] if place else options))
             found.append(f"{term.base_name}@{place}" if place else term.base_name)
         return tuple(found)
 
     def value(self, name: str) -> Any:
-        """Value of one of these parameters, as the scene has it."""
-        return get_at(self, *self.key_paths[name][1:])
+        """Value of one of these parameters, as the scene has it; None of one that is computed."""
+        keys = self.key_paths[name][len(self.PATH) :]
+        return None if get_at(self, *keys[:-1]) is None else get_at(self, *keys)
+
+
+class LoadTables(TermTables, Table):
+    """Base class of [loads], with properties that hold for any set of loads."""
+
+    ROWS: ClassVar[Sequence[Term]] = LOADS
+    PATH: ClassVar[tuple[str, ...]] = ("loads",)
+
+    if TYPE_CHECKING:  # a table for every term
+
+        def __getattr__(self, name: str) -> Any: ...
+
+    @property
+    def follower_loads(self) -> tuple[str, ...]:
+        """Names of the loads that turn with the rod."""
+        return tuple(name for name in self.terms if TERMS[name].follows)
 
 
 if TYPE_CHECKING:

@@ -4,9 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from math import atanh, cos, inf, sin
 
 from rodgen.model.rod import INERTIAS
-from rodgen.model.term import BASE, DAMPER, Term
+from rodgen.model.term import BASE, CONTACT, DAMPER, Term
 from rodgen.model.terms import PARAMETERS, TERMS
 from rodgen.scene.grammar import abbreviate
 from rodgen.scene.law import Along
@@ -24,6 +25,7 @@ class ModelPart:
 
 
 KINDS = [*TERMS]
+HALF = 0.5  # of the largest friction
 
 
 def model_parts(scene: Scene) -> list[ModelPart]:
@@ -142,6 +144,8 @@ def _term_part(scene: Scene, term: Term) -> ModelPart:
         return ModelPart(name, False, f"boundary {scene.rod.boundary}: nothing holds the rod")
     if term.name not in scene.structure.loads:
         return ModelPart(name, False, f"no {table}")
+    if term.kind == CONTACT:
+        return ModelPart(name, True, _describe_contact(scene, term))
     if term.kind == DAMPER and not scene.boundary_condition.spring_joints(scene.rod.links):
         unused = "one link has no inner joint; the parameter is taken, not used"
         return ModelPart(name, False, unused)
@@ -155,7 +159,56 @@ def _term_part(scene: Scene, term: Term) -> ModelPart:
     if term.kind == BASE and scene.base is not None:
         numbers = scene.base.values.items()
         functions += [f"{PARAMETERS[of].key} is {x!r}" for of, x in numbers if of not in laws]
-    return ModelPart(name, True, "; ".join((*_describe_place(scene, term), *functions)) or table)
+    words = (*_describe_place(scene, term), *functions, *_describe_joint_friction(scene, term))
+    return ModelPart(name, True, "; ".join(words) or table)
+
+
+def _describe_contact(scene: Scene, term: Term) -> str:
+    """Words on a contact: where, its numbers, and how fast friction creeps."""
+    rows = scene.structure.load_rows[term.name].parameters
+    keys, values = scene.contacts.table_keys[term.name], scene.parameters
+    words = [f"{values[one.name]:g} {one.unit}".strip() for one in rows]
+    said = ", ".join(
+        f"{one.name.removeprefix(f'{term.name}_')} {x}" for one, x in zip(rows, words, strict=True)
+    )
+    where = f"{_describe_point(scene, get_at(scene, *keys, 'at'))}: " if term.placed else ""
+    return f"{where}{said}" + _describe_creep(scene, term)
+
+
+def _describe_creep(scene: Scene, term: Term) -> str:
+    """Words on the speed at which what lies on a wall with friction creeps."""
+    values = scene.parameters
+    if (mu := values.get(f"{term.name}_friction")) is None:
+        return ""
+    slow, share = values[f"{term.name}_friction_speed"], HALF
+    under = "half of the friction that slides"
+    if any(falls := _gravity(scene)):
+        angle = values[f"{term.name}_normal"]
+        presses = -(falls[0] * cos(angle) + falls[1] * sin(angle))
+        drives = abs(falls[1] * cos(angle) - falls[0] * sin(angle))
+        share = drives / (mu * presses) if mu and presses > 0 else inf
+        under = "its weight"
+    if share >= 1:
+        return "; what lies on it slides under its weight"
+    return f"; what lies on it creeps under {under}, at {slow * atanh(share):.6g} m/s"
+
+
+def _gravity(scene: Scene) -> tuple[float, float]:
+    """Acceleration of free fall at the start of the span [m/s^2]."""
+    start, found = scene.integrate.span[0], dict[str, float]()
+    for one in TERMS["gravity"].parameters if "gravity" in scene.structure.loads else ():
+        if one.name in scene.given_parameters:
+            e = scene.expression(one.name)
+            found[one.name] = float(scene.given_value(one.name) if e is None else e(start))
+    return found.get("gravity_x", 0.0), found.get("gravity_y", -found.get("gravity", 0.0))
+
+
+def _describe_joint_friction(scene: Scene, term: Term) -> list[str]:
+    """Words on the rate at which a joint creeps under less than its friction."""
+    if term.name != "joint_friction":
+        return []
+    rate = scene.parameters["joint_friction_rate"] * atanh(HALF)
+    return [f"a joint under half of the moment that bends it creeps at {rate:.6g} rad/s"]
 
 
 def _table_heading(scene: Scene, term: Term) -> str:

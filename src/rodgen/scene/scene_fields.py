@@ -18,6 +18,7 @@ from rodgen.errors import InputError
 from rodgen.model.rod import Boundary
 from rodgen.model.terms import MOVING_BASE, boundary_of
 from rodgen.scene.base_table import BaseTable
+from rodgen.scene.contact_tables import ContactTables, JointStopTable, StopTable, WallTable
 from rodgen.scene.expression_text import Numbers
 from rodgen.scene.integration import EventTable, IntegrationTable
 from rodgen.scene.load_tables import Loads
@@ -63,6 +64,9 @@ class SceneFields(Table):
     bodies: list[BodyTable] = []
     supports: list[SupportTable] = []
     foundation: FoundationTable | None = None
+    stops: list[StopTable] = []
+    joint_stops: list[JointStopTable] = []
+    walls: list[WallTable] = []
     base: BaseTable | None = None
     loads: Loads = Loads()
     states: dict[str, StateTable] = Field({}, exclude_if=operator.not_)
@@ -87,7 +91,7 @@ class SceneFields(Table):
         info.context.update(numbers)
         return numbers
 
-    @field_validator("events", "bodies", "supports", mode="before")
+    @field_validator("events", "bodies", "supports", "stops", "joint_stops", "walls", mode="before")
     @classmethod
     def _validate_array(cls, tables: Any, info: ValidationInfo) -> list[Any]:
         """Validate the tables of an array one by one, so that errors name the place."""
@@ -114,6 +118,11 @@ class SceneFields(Table):
         if (rows := sum(map(len, made.values()))) > MOST_ROWS:
             raise InputError("tables", rows, f"at most {MOST_ROWS} rows in all")
         return made
+
+    @cached_property
+    def contacts(self) -> ContactTables:
+        """Stops and walls."""
+        return ContactTables(self.stops, self.joint_stops, self.walls)
 
     @property
     def boundary_condition(self) -> Boundary:

@@ -6,8 +6,9 @@ from functools import cached_property
 from typing import Any
 
 from rodgen.model.term import LINKS
-from rodgen.model.terms import BASE_ANGLE, PARAMETERS, PLACES
+from rodgen.model.terms import BASE_ANGLE, PARAMETERS, PLACES, rows_of
 from rodgen.scene import spring_law
+from rodgen.scene.contact_terms import contact_terms
 from rodgen.scene.distribution import Distribution
 from rodgen.scene.expression import Expression, parse_expression
 from rodgen.scene.law import Law
@@ -25,16 +26,20 @@ class SceneLaws(SceneFields):
 
     @property
     def given_parameters(self) -> tuple[str, ...]:
-        """Names of the parameters of its loads and of its base."""
-        return (*self.loads.parameters, *self._base_values)
+        """Names of the parameters of its loads, of its contacts and of its base."""
+        return (*self.loads.parameters, *self.contacts.parameters, *self._base_values)
 
     def given_value(self, name: str) -> Any:
-        """Value of one of these parameters, as the scene has it.
+        """Value of one of these parameters, as the scene has it; None of one that follows from
+        others.
 
         name: of the parameter.
         """
         moved = self._base_values
-        return moved[name] if name in moved else self.loads.value(name)
+        if name in moved:
+            return moved[name]
+        tables = self.contacts if name in self.contacts.key_paths else self.loads
+        return tables.value(name)
 
     def expression(self, name: str) -> Expression | None:
         """Expression of a parameter of a load or of the base that is given as text, in t, or in s
@@ -56,7 +61,8 @@ class SceneLaws(SceneFields):
 
         name: of the parameter.
         """
-        return self.loads.key_paths.get(name) or PLACES[name]
+        paths = self.loads.key_paths.get(name), self.contacts.key_paths.get(name)
+        return paths[0] or paths[1] or PLACES[name]
 
     def key_of(self, name: str) -> str:
         """Dotted name in the scene of a parameter of the module.
@@ -174,7 +180,10 @@ class SceneLaws(SceneFields):
         along = self.distribution
         spring = (law, tuple(along.joint_stiffness), tuple(along.rest_angles)) if law else None
         base = tuple(e for name, e in self.expressions.items() if name in self._base_values)
-        return TimeLaws(start, end, single, spread, rates, masses, self.mesh, spring, base)
+        laws = single, spread, rates, masses, self.mesh, spring, base
+        rows = rows_of(self.contacts.terms_with_places(self.mesh))
+        contacts = contact_terms(rows, self.boundary_condition, self.rod.links)
+        return TimeLaws(start, end, *laws, contacts)
 
     def breaks(self) -> list[float]:
         """Break points: times inside the span [s] at which a load, the rate of a state or a mass is

@@ -18,11 +18,13 @@ from rodgen.model.terms import BASE_ROWS, MOVING_BASE, PARAMETERS
 from rodgen.scene import spring_law
 from rodgen.scene import structure as st
 from rodgen.scene.anchors import Anchors
+from rodgen.scene.contact_terms import check_stops
 from rodgen.scene.expression import Expression
-from rodgen.scene.grammar import TableData
-from rodgen.scene.integration import check_events
+from rodgen.scene.grammar import OF_STOPS, TableData
+from rodgen.scene.integration import EventTable, check_events
 from rodgen.scene.literals import NAME, check_names, check_states, mass_name
 from rodgen.scene.load_tables import FinFactor
+from rodgen.scene.plain_tables import get_at
 from rodgen.scene.scene_laws import SceneLaws
 from rodgen.scene.tables import (
     REST,
@@ -66,16 +68,48 @@ class SceneTables(SceneLaws):
         if self.initial.phi == REST in self.numbers:
             allowed = f'another name: initial.phi = "{REST}" is the shape without load'
             raise InputError(f"parameters.{REST}", self.numbers[REST], allowed)
-        check_events(self.events, self.rod, self.states)
         check_bodies(self.bodies, self.rod, self.mesh)
         self._check_mesh()
         self._check_span()
         self._initial_values("phi")
         self._initial_values("omega")
         self.anchors.check()
+        self.contacts.check(self.mesh, self.boundary_condition)
+        for e in (*self.expressions.values(), *self.state_rates.values()):
+            check_stops(e, self.contacts.terms)
+        self._check_events()
         if self.spring_law is not None and not np.any(self.distribution.joint_stiffness):
             raise InputError(spring_law.FIELD, self.rod.spring, "absent: no joint has a stiffness")
         return self
+
+    def _check_events(self) -> None:
+        """Raise InputError for events that cannot be looked out for."""
+        events = self.structure.contact_events if self.contacts.terms else ()
+        names = [*self.states, *self.contact_numbers]
+        check_events(self.events, self.rod, names, (one.name for one in events))
+
+    @property
+    def contact_numbers(self) -> list[str]:
+        """Names of the numbers of contacts."""
+        found = self.structure.contacts if self.contacts.terms else ()
+        return [name for one in found for name in one.numbers]
+
+    @property
+    def has_places_of_start(self) -> bool:
+        """Whether anything on the ground is where the rod begins, so that another start of the rod,
+        or another rod, moves it."""
+        computed = any(stop.to is None for stop in self.stops)
+        return bool(self.supports or self.foundation or computed)
+
+    @property
+    def obstacles(self) -> list[NDArray[np.float64]]:
+        """Lines of stops and walls, for drawing, each (k, 2) [m]: what pushes is to their right."""
+        return self.contacts.outlines(self.rod.length, self.anchors.fixed_point)
+
+    @property
+    def watched_events(self) -> tuple[EventTable, ...]:
+        """Events that runs look out for: those of [[events]], and touching and leaving."""
+        return (*self.events, *self.structure.contact_events)
 
     def _check_mesh(self) -> None:
         """Raise InputError for damping that knows links of equal length alone."""
@@ -109,6 +143,9 @@ class SceneTables(SceneLaws):
         """Value of a parameter of a load or of the base: a number, or those of all joints or links;
         None for one that changes with time."""
         value, text = self.given_value(name), self.expression(name)
+        if PARAMETERS[name].computed and value is None:
+            *keys, _, axis = self.contacts.key_paths[name]
+            return self.anchors.fixed_point(get_at(self, *keys))[int(axis)]
         if PARAMETERS[name].by_mass and not self.distribution.total_link_mass:
             return 0.0  # of a rod whose links have no mass
         if isinstance(value, FinFactor):
@@ -135,6 +172,7 @@ class SceneTables(SceneLaws):
             (name, parametrise(e, f"{name}_rate")) for name, e in self.state_rates.items()
         )
         terms = self.loads.terms_with_places(self.mesh) + self.anchors.terms
+        terms += self.contacts.terms_with_places(self.mesh)
         terms += () if self.base is None else (f"{MOVING_BASE}@{'+'.join(self.base.keys)}",)
         what = rod.links, rod.boundary, rod.inertia, terms
         sprung = parametrise(self.spring_law, spring_law.NAME) if self.spring_law else ""
@@ -152,7 +190,7 @@ class SceneTables(SceneLaws):
         if self.mesh.is_even:
             return ()
         laws = (*self.expressions.values(), *self.state_rates.values())
-        places = {of.at for e in laws for of in e.sensors}
+        places = {of.at for e in laws for of in e.sensors if of.what not in OF_STOPS}
         return tuple((repr(s), self.mesh.place_text(s)) for s in sorted(places))
 
     @property

@@ -34,8 +34,10 @@ from rodgen.model.terms import (
     rows_of,
 )
 from rodgen.scene import spring_law
+from rodgen.scene.contact_terms import ContactTerm, check_stops, contact_terms
 from rodgen.scene.expression import Expression, open_expression
-from rodgen.scene.grammar import Sensor, TableData
+from rodgen.scene.grammar import OF_STOPS, Sensor, TableData
+from rodgen.scene.integration import EventTable
 from rodgen.scene.literals import check_name, mass_name, number_parameter, table_parameter
 from rodgen.scene.plain_tables import to_plain
 from rodgen.scene.rod_mesh import RodMesh
@@ -124,6 +126,8 @@ class Structure:
         object.__setattr__(self, "expressions", tuple(by_name))
         for name in (*self.numbers, *self.state_names, *dict(self.tables)):
             check_name(name, f"expressions.{name}")
+        for e in self.laws.values():
+            check_stops(e, self.loads)
         named = dict.fromkeys(name for e in self._all_expressions for name in e.tables)
         rows = dict(self.tables)
         if named.keys() != rows.keys() or any(count < 2 for count in rows.values()):
@@ -142,7 +146,8 @@ class Structure:
         for term in self.load_rows.values():
             if any(one.by_mass for one in term.parameters):
                 raise InputError("terms", term.name, EQUAL_LINKS)
-        if missing := {repr(of.at) for of in self.sensors} - dict(self.sensor_places).keys():
+        seen = {repr(of.at) for of in self.sensors if of.what not in OF_STOPS}
+        if missing := seen - dict(self.sensor_places).keys():
             raise InputError("sensor_places", self.sensor_places, f"a place for s = {min(missing)}")
         for _, place in self.sensor_places:
             check_place(place, self.n_links, "sensor_places")
@@ -182,6 +187,16 @@ class Structure:
         """Rows of the loads in the vocabulary, by name, with the parameters that the module has,
         whether functions of time or not."""
         return rows_of(self.terms)
+
+    @cached_property
+    def contacts(self) -> tuple[ContactTerm, ...]:
+        """Contacts of the rod."""
+        return contact_terms(self.load_rows, self.boundary_condition, self.n_links)
+
+    @cached_property
+    def contact_events(self) -> tuple[EventTable, ...]:
+        """Events of touching and leaving."""
+        return tuple(event for one in self.contacts for event in one.events)
 
     @cached_property
     def potentials(self) -> tuple[str, ...]:

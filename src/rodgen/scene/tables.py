@@ -37,6 +37,12 @@ def _check_not_tiny(value: float) -> float:
     return value
 
 
+def _check_side(value: int) -> int:
+    if value not in (1, -1):
+        raise PydanticCustomError("side", "1 or -1")
+    return value
+
+
 Finite = Annotated[float, Field(allow_inf_nan=False, ge=-LARGEST, le=LARGEST)]
 REST = "rest"  # initial angles without a load
 SMALLEST = 1e-60  # of what others are divided by
@@ -45,6 +51,8 @@ Size = Annotated[Positive, AfterValidator(_check_not_tiny)]
 NotNegative = Annotated[float, Field(allow_inf_nan=False, ge=0, le=LARGEST)]
 Mass = Annotated[NotNegative, AfterValidator(_check_not_tiny)]  # which may be none
 Share = Annotated[float, Field(ge=0, le=1)]
+AtLeastOne = Annotated[float, Field(allow_inf_nan=False, ge=1, le=LARGEST)]
+Side = Annotated[int, AfterValidator(_check_side)]
 Pair = Annotated[list[Expressed[Finite]], Field(min_length=2, max_length=2), AS_TEXTS]
 NotNegativePair = Annotated[
     list[Expressed[NotNegative]], Field(min_length=2, max_length=2), AS_TEXTS

@@ -33,7 +33,7 @@ def parse_terms(text: str) -> tuple[str, ...]:
     kinds = [name.partition("@")[0] for name in names]
     for kind in kinds:
         check_choice("terms", kind, TERMS if "," in text else (*TERMS, "all", "none"))
-    if any(kinds.count(kind) > 1 and not TERMS[kind].placed for kind in kinds):
+    if any(kinds.count(kind) > 1 and not TERMS[kind].is_several for kind in kinds):
         raise InputError("terms", text, "each term once, but for those that stand at a place")
     return sort_terms(tuple(names))
 
@@ -43,7 +43,7 @@ def sort_terms(terms: tuple[str, ...]) -> tuple[str, ...]:
     found = []
     for kind, term in TERMS.items():
         same = [text for text in terms if text.partition("@")[0] == kind]
-        found += same if term.placed else same[:1]
+        found += same if term.is_several else same[:1]
     return tuple(found)
 
 
@@ -58,16 +58,29 @@ def check_term(text: str, links: int, boundary: Boundary) -> None:
         return
     if not at:
         return
-    options = dict.fromkeys(one.key for one in TERMS[kind].parameters if one.optional)
-    if options:
-        some = (f"{kind}@{'+'.join(given)}" for given in _choices([*options]))
-        check_choice("terms", text, [kind, *some])
-        return
-    if not TERMS[kind].placed:
+    term, where = TERMS[kind], without_options(place)
+    given = place.removeprefix(where).removeprefix("+" if where else "")
+    if term.options and (given or not term.placed):
+        some = ["+".join(keys) for keys in _choices(term.options)]
+        if given not in some:
+            check_choice("terms", text, [kind, *(f"{kind}@{keys}" for keys in some)])
+        if not where:
+            return
+    if not term.placed:
         raise InputError("terms", text, f"{kind}, which has no place")
     allowed = f"{kind}@link or {kind}@link+share, of a load at a point of one of {links} links"
-    if not _is_place(place, links):
+    if not _is_place(where, links):
         raise InputError("terms", text, allowed)
+    springs = boundary.spring_joints(links)
+    if term.at_joints and ("+" in where or int(where) not in springs):
+        allowed = f"{kind}@joint, a joint with a spring, {springs.start} to {springs.stop - 1}"
+        raise InputError("terms", text, allowed)
+
+
+def without_options(place: str) -> str:
+    """A place of a load without the keys of optional parameters behind it."""
+    parts = place.split("+")
+    return "+".join(part for part in parts if not part[:1].isalpha())
 
 
 def check_place(place: str, links: int, field: str) -> None:

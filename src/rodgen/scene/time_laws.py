@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rodgen.errors import InputError, shorten
+from rodgen.scene.contact_terms import DEPTH, ContactTerm
 from rodgen.scene.expression import Difference, Expression
 from rodgen.scene.rod_mesh import RodMesh
 from rodgen.scene.spring_law import STIFFNESS
@@ -29,7 +30,7 @@ SAME = 1e-9
 MANY = 101  # times at which its size is looked at
 FEW = 5_000  # numbers that are computed with at once
 MOST_FRONTS = 20_000  # break points of what moves along the rod, beyond which they are left out
-BENDS = "bend"
+SIGNALS, BENDS, CONTACTS = "signals", "bend", "contacts"  # values that switches may read
 Values = Mapping[str, Any]
 
 
@@ -37,14 +38,16 @@ Values = Mapping[str, Any]
 class Switch:
     """Switching function: numbers that pass zero where a law of the motion is not smooth.
 
-    law: of times (...) and of the values of sensors, states and the bends of the joints with a
-    spring, `bend`, by name: (..., count); cause: the field that may jump there, and where; empty if
-    none does.
+    law: of times (...) and of the values of sensors and states, of the bends of the joints with a
+    spring, `bend`, and of contacts, `contacts`, by name: (..., count); cause: the
+    field that may jump there, and where; empty if none does; reads: which of these values the law
+    reads.
     """
 
     law: Callable[[NDArray[np.float64], Values], Any]
     count: int = 1
     cause: str = ""
+    reads: str = SIGNALS
 
 
 def _signal_switch(difference: Difference, cause: str) -> Switch:
@@ -68,7 +71,24 @@ def _spring_switch(
             here, below, above = (difference(d + by, k) for by in off)
         return np.where(np.sign(below) * np.sign(above) > 0, here, 0.0)
 
-    return Switch(law, len(stiffness))
+    return Switch(law, len(stiffness), reads=BENDS)
+
+
+def _contact_switches(contact: ContactTerm) -> Iterator[Switch]:
+    """Yield the switches of a contact: where it touches, and where its push is not smooth, looked
+    at while it is pressed."""
+
+    def number(values: Values, what: str = DEPTH) -> Any:
+        found = values[CONTACTS][f"{what}_{contact.name}"]
+        return found if contact.joints else found[..., None]
+
+    yield Switch(lambda t, values: number(values), contact.count, reads=CONTACTS)
+    for what in contact.switches:
+
+        def while_pressed(t: Any, values: Values, what: str = what) -> Any:
+            return np.where(number(values) > 0, number(values, what), 1.0)
+
+        yield Switch(while_pressed, contact.count, reads=CONTACTS)
 
 
 @dataclass(frozen=True)
@@ -78,7 +98,7 @@ class TimeLaws:
     single: loads of one number, by time or by the motion; along: loads that may differ from link to
     link; rates: of states; masses: of links and bodies; mesh: where links are; spring: law of the
     springs, their stiffness, and the bends at which they are at rest; base: those of `single` that
-    move what holds the rod.
+    move what holds the rod; contacts: of the rod.
     """
 
     start: float
@@ -90,6 +110,7 @@ class TimeLaws:
     mesh: RodMesh
     spring: tuple[Expression, tuple[float, ...], tuple[float, ...]] | None = None
     base: tuple[Expression, ...] = ()
+    contacts: tuple[ContactTerm, ...] = ()
 
     @classmethod
     def from_structure(
@@ -117,7 +138,8 @@ class TimeLaws:
             spring = law, *springs
         moving = {name: of for name, of in groups[0].items() if name in structure.base_parameters}
         base = with_numbers(moving)
-        return cls(start, end, single, along, rates, masses, mesh, spring, base)
+        laws = single, along, rates, masses, mesh, spring, base
+        return cls(start, end, *laws, structure.contacts)
 
     @property
     def expressions(self) -> tuple[Expression, ...]:
@@ -240,6 +262,7 @@ class TimeLaws:
         if self.spring is not None:
             law, *springs = self.spring
             switches += (_spring_switch(one, *springs) for one in law.corners().values())
+        switches += (switch for one in self.contacts for switch in _contact_switches(one))
         return tuple(switches)
 
     def pulses(self) -> list[tuple[float, float, float]]:

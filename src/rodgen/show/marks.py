@@ -6,12 +6,14 @@ from __future__ import annotations
 
 from collections.abc import Collection
 from itertools import pairwise
-from typing import Any, Literal
+from typing import Any, Literal, cast
 
 import numpy as np
 from matplotlib.axes import Axes
+from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.markers import MarkerStyle
+from matplotlib.transforms import ScaledTranslation
 
 from rodgen.arrays import Array
 from rodgen.model.terms import BASE_ROWS
@@ -41,6 +43,9 @@ STARTS = {
 }
 # Of the curved arrow of a couple: the angle of the longest [rad], and its head in radii.
 LONGEST_TURN, HEAD = 1.5 * np.pi, 0.45
+OBSTACLE = "obstacle"
+BROAD = 5.0  # points: of the pale line behind a stop or a wall
+ASIDE = BROAD / 2 / 72  # inches, by which it is aside
 DISC = 16.0  # points across: of a body that is the whole mass
 
 
@@ -102,10 +107,27 @@ def draw_marks(
         axes.plot(*body.positions(joints), "o", **how)
     if not anchors:
         return
+    draw_obstacles(axes, scene)
     axes.plot(*scene.anchors.foundation_line.T, "-", color=BED, linewidth=6 * LINE, zorder=0)
     for tie in scene.anchors.support_points:
         axes.plot(*tie.segment(joints).T, ":", color=colour, linewidth=LINE)
         axes.plot(tie.x, tie.y, "^", color=FIXED, markersize=7)
+
+
+def draw_obstacles(axes: Axes, scene: Scene) -> None:
+    """Draw the lines of stops and walls, with a broad pale one to their right: once, however many
+    shapes of a rod are drawn."""
+    if any(one.get_gid() == OBSTACLE for one in axes.lines):
+        return
+    for line in scene.obstacles:
+        for start, end in pairwise(line):
+            x, y = (end - start) / np.linalg.norm(end - start)
+            figure = cast(Figure, axes.figure)
+            aside = ScaledTranslation(y * ASIDE, -x * ASIDE, figure.dpi_scale_trans)
+            how: dict[str, Any] = {"color": BED, "linewidth": BROAD, "solid_capstyle": "butt"}
+            strip = np.stack((start, end))
+            axes.plot(*strip.T, transform=axes.transData + aside, zorder=0, **how)
+        axes.plot(*line.T, "-", color=FIXED, linewidth=LINE, zorder=0.5, gid=OBSTACLE)
 
 
 def turned_mark(mark: str, angle: Array | float) -> MarkerStyle:
@@ -134,6 +156,8 @@ def describe_marks(scene: Scene, anchors: bool = True) -> str:
         words.append("triangle: where a support is fixed")
     if anchors and len(scene.anchors.foundation_line):
         words.append("broad line: foundation")
+    if anchors and scene.obstacles:
+        words.append("with a pale side: stops and walls")
     return "; ".join(words)
 
 

@@ -23,6 +23,7 @@ from rodgen.model.quantities import ADDED, LOADS, QUANTITIES, parse_number, watc
 from rodgen.model.terms import PARAMETERS
 from rodgen.result import Row
 from rodgen.scene import Scene
+from rodgen.scene.contact_terms import event_names
 from rodgen.studies.analysis_results import function_of, rows_of, unit_in
 from rodgen.studies.measures import (
     EVERY,
@@ -110,7 +111,7 @@ def _parse_quantity(place: str, text: Any, scene: Scene, facts: ModuleFacts) -> 
     number = arguments[0] if len(arguments) == 1 else ""
     span = _pop_span(place, text, named)
     if kind == "count" and number and not named:
-        names = [event.name for event in scene.events]
+        names = event_names(scene.watched_events)
         if number not in names:
             allowed = f"of an event of the scene: {', '.join(map(repr, names)) or 'it has none'}"
             raise InputError(place, text, allowed)
@@ -139,7 +140,7 @@ def _parse_section(
     where, most = named.pop("where", ""), named.pop("max_points", str(MOST_POINTS))
     known = [
         *watchable_names(scene.boundary_condition, scene.rod.links),
-        *((name, range(1)) for name in scene.states),
+        *((name, range(1)) for name in (*scene.states, *scene.contact_numbers)),
     ]
     if not any(parse_number(where, name) in range_ for name, range_ in known):
         shown = ", ".join(name for name, _ in known)
@@ -232,6 +233,7 @@ def _unit_of(place: str, text: str, number: str, numbers: Numbers) -> str:
     for quantity in QUANTITIES:
         prefix = quantity.name.removesuffix("{}") if quantity.each else quantity.name
         open_ = quantity.each not in ("", LOADS, ADDED) and name.startswith(prefix)
+        open_ = open_ and numbers.kinds.get(name, quantity.each) == quantity.each
         if name == quantity.name or open_:
             return quantity.unit
     return "J" if name == "total_work" else ""

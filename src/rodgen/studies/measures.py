@@ -15,6 +15,7 @@ from rodgen.integrate.quantity_formulas import MotionSlice
 from rodgen.integrate.reductions import Crossing, CrossingResults, Numbers, Reduction
 from rodgen.integrate.stepper import FINISHED
 from rodgen.model.quantities import describe_number
+from rodgen.scene.contact_terms import count_name
 from rodgen.studies.point_arrays import StudyVariable
 
 if TYPE_CHECKING:
@@ -110,7 +111,7 @@ class EventCount(RunMeasure):
 
     def compute(self, solution: Solution, places: Numbers) -> dict[str, Any]:
         """Compute it for one run, by the names of its variables."""
-        found = [one for one in solution.events if one.name == self.event]
+        found = [x for x in solution.events if self.event in (x.name, count_name(x.name))]
         return {self.text: sum(self.start <= one.t <= self.end for one in found)}
 
     def crossing(self, event: EventTable, facts: ModuleFacts) -> Crossing:

@@ -23,6 +23,7 @@ from rodgen.integrate.simulate import simulate
 from rodgen.integrate.simulate_many import simulate_rods
 from rodgen.integrate.solution import RunError
 from rodgen.integrate.stepper import FAILED
+from rodgen.scene.integration import EventTable
 from rodgen.studies.kept_quantities import PARTS, check_numbers, run_quantities
 from rodgen.studies.measures import (
     CrossingSection,
@@ -43,6 +44,7 @@ if TYPE_CHECKING:
 
 MOST_CROSSED = 2**22  # numbers of crossings and samples that are kept at once
 MOST_CORNERED = 4  # varied numbers whose ends are tried in all combinations; beyond, one by one
+ANYWHERE = EventTable(quantity="depth_wall", value=0.0)
 FEW = 3  # points of a group, up to which making their scenes is faster than a batch
 
 
@@ -161,7 +163,8 @@ def _crossings(
     for one in wanted:
         if isinstance(one, EventCount | CrossingSection):
             made.append((one, len(found)))
-            found.append(one.crossing(events[one.event], facts))
+            # Of one that is counted at any joint, no crossing stands for it: then runs are apart.
+            found.append(one.crossing(events.get(one.event, ANYWHERE), facts))
     return found, made
 
 
@@ -258,5 +261,5 @@ def _with_section_events(system: System, wanted: Sequence[RunMeasure]) -> System
     tables = [one.event_table for one in wanted if isinstance(one, CrossingSection)]
     if not tables:
         return system
-    own = [event.model_dump(exclude_none=True) for event in system.events]
+    own = [event.model_dump(exclude_none=True) for event in system.scene.events]
     return system.at({"events": [*own, *tables]})

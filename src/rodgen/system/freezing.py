@@ -55,9 +55,11 @@ def _base_at(scene: Scene, t: float) -> dict[str, Any]:
     keys in a scene."""
     if scene.base is None:
         return {}
+    held = (("supports", scene.supports), ("stops", scene.stops))
     changes: dict[str, Any] = {
-        f"supports.{at}.to": [*scene.anchors.fixed_point(support)]
-        for at, support in enumerate(scene.supports)
+        f"{key}.{at}.to": [*scene.anchors.fixed_point(one)]
+        for key, tables in held
+        for at, one in enumerate(tables)
     }
     if (through := scene.anchors.through) is not None:
         changes["foundation.through"] = [*map(float, through)]

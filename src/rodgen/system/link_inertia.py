@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 LITTLE, MOST_FULL, SCARCE = 1e-3, 200, 1e-7
 
 
-class Rod(Protocol):
+class RodWithMasses(Protocol):
     """A system, of which the masses are read."""
 
     structure: Structure
@@ -38,7 +38,7 @@ class Rod(Protocol):
     def boundary_condition(self) -> Boundary: ...
 
 
-def least_inertia(system: Rod) -> tuple[float, int]:
+def least_inertia(system: RodWithMasses) -> tuple[float, int]:
     """Least inertia by which the equations of motion divide, over that of an even rod, and the
     number of the joint that lacks it.
 
@@ -57,14 +57,14 @@ def least_inertia(system: Rod) -> tuple[float, int]:
     return float(at_joints[first:][where] / mean), where + first
 
 
-def is_light(system: Rod) -> bool:
+def is_light(system: RodWithMasses) -> bool:
     """Whether links have no mass, or so little that joint forces over it lose their digits."""
     masses = _link_masses(system)[0]
     least = min(least_inertia(system)[0], float(masses.min() / masses.mean()))
     return least < (LITTLE if len(masses) <= MOST_FULL else SCARCE)
 
 
-def _link_masses(system: Rod) -> tuple[Array, Array, Array]:
+def _link_masses(system: RodWithMasses) -> tuple[Array, Array, Array]:
     """Mass of every link [kg], its centre along the link, and its mean square distance from the
     point of the link beside that centre, about which it turns, in lengths of the link."""
     structure, links = system.structure, np.ones(system.structure.n_links)
@@ -84,13 +84,13 @@ def _link_masses(system: Rod) -> tuple[Array, Array, Array]:
     return masses, centres, along + across + np.asarray(values["link_centre_across"]) ** 2
 
 
-def check_masses(system: Rod) -> None:
+def check_masses(system: RodWithMasses) -> None:
     """Raise InputError for a rod that can move without kinetic energy: no run of it exists."""
     if (error := missing_mass(system)) is not None:
         raise error
 
 
-def missing_mass(system: Rod) -> InputError | None:
+def missing_mass(system: RodWithMasses) -> InputError | None:
     """Error of a run of a rod that can move without kinetic energy; None for others."""
     least, joint = least_inertia(system)
     if least:

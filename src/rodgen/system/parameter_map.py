@@ -15,7 +15,7 @@ from pydantic import TypeAdapter, ValidationError
 from rodgen.arrays import Array
 from rodgen.errors import InputError
 from rodgen.model.rod import MASS_WAYS
-from rodgen.model.terms import BASE_ANGLE, MOVING_BASE, PARAMETERS
+from rodgen.model.terms import BASE_ANGLE, CONTACTS, MOVING_BASE, PARAMETERS
 from rodgen.scene import Scene
 from rodgen.scene.expression import Expression, open_expression
 from rodgen.scene.keys import NUMBERS, expression_texts, is_index
@@ -142,6 +142,7 @@ class ParameterMap:
             "base": self._base_slot,
             "foundation": self._anchor_slot,
             "supports": self._anchor_slot,
+            **{term.table: self._load_slot for term in CONTACTS},
         }
 
     @staticmethod
@@ -164,7 +165,9 @@ class ParameterMap:
     @cached_property
     def _load_parameters(self) -> dict[tuple[str, ...], str]:
         """Names of the parameters of loads, by their keys."""
-        return {keys: name for name, keys in self._scene.loads.key_paths.items()}
+        scene = self._scene
+        paths = (*scene.loads.key_paths.items(), *scene.contacts.key_paths.items())
+        return {keys: name for name, keys in paths}
 
     def _load_slot(self, keys: tuple[str, ...]) -> ParameterSlot | None:
         name, inner = self._load_parameters.get(keys), ""
@@ -195,7 +198,7 @@ class ParameterMap:
         start, nothing that stays on the ground, and no jump of a place."""
         scene, turned = self._scene, f"{MOVING_BASE}.{PARAMETERS[BASE_ANGLE].key}"
         turns = any(e.field == turned for e in laws)
-        at_start = scene.supports or scene.foundation or turns
+        at_start = scene.has_places_of_start or turns
         return not at_start and not any(e.jumps() for e in laws)
 
     def _follows_mass(self, name: str) -> bool:
@@ -211,7 +214,7 @@ class ParameterMap:
             return None
         masses = MASS_WAYS & {*structure.nonuniform}
         weighed = masses or self._source.distribution.changing_masses
-        placed = structure.nonuniform or scene.supports or scene.foundation
+        placed = structure.nonuniform or scene.has_places_of_start
         alone = {
             "bending_stiffness": True,
             "mass": not weighed,
@@ -281,7 +284,7 @@ class ParameterMap:
         scene, angles = self._scene, self._scene.structure.angle_slice
         base, half = angles.start, angles.stop
         begin = {"position": 0, "phi": base, "velocity": half, "omega": half + base}.get(keys[1])
-        if begin is None or (keys[1] == "position" and (scene.supports or scene.foundation)):
+        if begin is None or (keys[1] == "position" and scene.has_places_of_start):
             return None
         if len(keys) == 3:
             return self._make_slot(keys, y=np.array([begin + int(keys[2])], dtype=np.intp))

@@ -307,7 +307,7 @@ class System:
             allowed = f"{states} finite numbers, as the module's STATE has them"
             raise InputError("y0", y, allowed)
         values = initial_values(self._base, state.astype(float))
-        if self.boundary_condition.translates and (self._base.supports or self._base.foundation):
+        if self.boundary_condition.translates and self._base.has_places_of_start:
             made = self._with_other_scene(values)  # which rest where the rod begins
         else:
             y0, changes = make_read_only(state.astype(float)), merge_changes(self._changes, values)
@@ -390,7 +390,7 @@ class System:
     @cached_property
     def events(self) -> tuple[EventTable, ...]:
         """Events that runs look out for."""
-        return tuple(self._base.events)
+        return self._base.watched_events
 
     @cached_property
     def load_terms(self) -> tuple[str, ...]:

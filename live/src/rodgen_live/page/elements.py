@@ -128,7 +128,8 @@ class RodCanvas(Component, component=STATIC / "rod.js"):
 
     Props: show {name: bool} (see LAYERS), loads (those that are drawn, as the vocabulary has them),
     bodies [{name, link, along, across, size}] (see scene.link_parts.BodyOutline), ties [{link,
-    share, x, y}] (see scene.anchors.SupportPoint), bed [[x, y], [x, y]] of a foundation, view
+    share, x, y}] (see scene.anchors.SupportPoint), bed [[x, y], [x, y]] of a foundation, obstacles
+    [[[x, y], ...]], lines of stops and walls, which push from their right, view
     ("fixed", "centre": the centre of gravity stays where it is, "axes": and the principal axes as
     well), support ("none", "wall", "pin"), restShape [rad], tool (see TOOLS), perMetre
     (of a kick, [N s] for a metre dragged), hold (what pulls stays where it is let go), times (by

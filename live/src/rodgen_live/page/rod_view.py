@@ -124,6 +124,7 @@ def scene_props(scene: Scene) -> dict[str, Any]:
         "bodies": [asdict(mark) for mark in scene.distribution.body_outlines],
         "ties": [asdict(tie) for tie in scene.anchors.support_points],
         "bed": scene.anchors.foundation_line.tolist(),
+        "obstacles": [line.tolist() for line in scene.obstacles],
         "restShape": scene.distribution.rest_shape.tolist(),
         "support": scene.boundary_condition.start_drawing,
         "loads": arrows_of(scene.loads.terms),

@@ -96,6 +96,7 @@ class FieldGroup(NamedTuple):
 def groups_of(scene: Scene) -> Iterator[FieldGroup]:
     """Groups of all tables whose numbers a live run can change, loads first."""
     yield from _load_groups(scene)
+    yield from _contact_groups(scene)
     straight = {CLAMP_ANGLE.key: 0.0} if scene.boundary_condition.is_clamped else {}
     rod = (*ROD, MASS_PER_LENGTH, SPRING, REST_CURVATURE, CLAMP_ANGLE)
     yield FieldGroup("rod", scene.rod, rod, left_out=straight)
@@ -106,13 +107,17 @@ def groups_of(scene: Scene) -> Iterator[FieldGroup]:
         if (table := getattr(scene, name)) is not None:
             yield FieldGroup(name, table, TERMS[name].given or TERMS[name].parameters)
     for at, support in enumerate(scene.supports):
-        least = ROUNDING * scene.rod.length  # of what is no zero
-        point = [x if abs(x) >= least else 0.0 for x in scene.anchors.fixed_point(support)]
-        rows, to = TERMS["supports"].given, {"to": point}
+        rows, to = TERMS["supports"].given, {"to": _fixed_point(scene, support)}
         yield FieldGroup(f"supports.{at}", support, rows, f" of support {at}", to)
     for name, state in scene.states.items():
         yield FieldGroup(f"states.{name}", state, STATE, f" of {name}")
     yield FieldGroup("parameters", scene.numbers, map(number_parameter, scene.numbers))
+
+
+def _fixed_point(scene: Scene, table: Any) -> list[float]:
+    """Fixed point of a support or a stop [m], without rounding."""
+    least = ROUNDING * scene.rod.length  # of what is no zero
+    return [x if abs(x) >= least else 0.0 for x in scene.anchors.fixed_point(table)]
 
 
 def _load_groups(scene: Scene) -> Iterator[FieldGroup]:
@@ -121,6 +126,17 @@ def _load_groups(scene: Scene) -> Iterator[FieldGroup]:
         yield FieldGroup(key, table, scene.structure.load_rows[name].parameters)
         if term.placed:
             yield FieldGroup(key, table, (AT_IN_MODULE,), f" of the {term.label}")
+
+
+def _contact_groups(scene: Scene) -> Iterator[FieldGroup]:
+    """Groups of the stops and walls."""
+    for name, keys in scene.contacts.table_keys.items():
+        table, term = get_at(scene, *keys), TERMS[name]
+        left_out = {"to": _fixed_point(scene, table)} if hasattr(table, "to") else {}
+        rows = scene.structure.load_rows[name].parameters
+        yield FieldGroup(".".join(keys), table, rows, left_out=left_out)
+        if term.placed:
+            yield FieldGroup(".".join(keys), table, (AT_IN_MODULE,), f" of the {term.label}")
 
 
 def fields_of(scene: Scene) -> Iterator[SceneField]:
@@ -233,6 +249,8 @@ def reshape(scene: Scene, form: StructureForm, starts: Mapping[str, Any]) -> Sce
     for term in TERMS.values():
         tables = table["loads"] if term.is_load else table
         _switch_term(tables, term, term.name in form.terms, other)
+        for given in table.get(term.table, []) if term.array and term.placed else []:
+            given.setdefault("at", 1.0 / form.links if term.at_joints else 1.0)
     set_values(table, starts, Scene)
     initial = table["initial"]
     for key in SHAPES if other else ():

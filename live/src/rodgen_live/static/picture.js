@@ -11,6 +11,7 @@ import { joints, length, line, links } from "./rod_links.js";
 import { Loads, most } from "./rod_loads.js";
 import { arrows, axes, bodies, centre, ends, frame, legend, outlined } from "./rod_marks.js";
 import { swing } from "./rod_modes.js";
+import { obstacles } from "./rod_obstacles.js";
 import { pull } from "./rod_pull.js";
 import { Scale, short } from "./scales.js";
 import { theme } from "./theme.js";
@@ -237,7 +238,9 @@ export class Picture {
     const straight = camera.direction(Math.cos(clamp), Math.sin(clamp));
     support(context, options.support, points[0], points[1], straight, colours);
     const [x0, y0] = state.origin;
-    anchors(context, points, options, (x, y) => camera.screen(x - x0, y - y0), colours);
+    const screen = (x, y) => camera.screen(x - x0, y - y0);
+    anchors(context, points, options, screen, colours);
+    obstacles(context, options.obstacles ?? [], screen, camera, colours);
     if (show.joints) joints(context, points, colours);
     links(context, points, moments, limit, colours);
     bodies(context, points, options.bodies, colours);

@@ -186,6 +186,7 @@ export default {
     </div>`,
   props: {
     ...{ show: Object, loads: Array, bodies: Array, ties: Array, bed: Array, mode: Object },
+    ...{ obstacles: Array },
     ...{ view: String, support: String, tool: String, label: String, hold: Boolean },
     ...{ restShape: Array, perMetre: Number, times: Number, rod: Number },
   },
@@ -199,7 +200,7 @@ export default {
       const other = (...names) => names.some((name) => now[name] !== before[name]);
       picture.options = now;
       // What is around the rod, or how it is drawn, is other than before.
-      if (other("ties", "bed", "times")) picture.anew();
+      if (other("ties", "bed", "obstacles", "times")) picture.anew();
       if (other("view")) picture.fit();
       if (other("rod")) picture.forget();
       hub.repaint();

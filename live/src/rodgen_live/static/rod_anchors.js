@@ -31,7 +31,7 @@ function pin(context, high) {
 }
 
 // A line with hatching below it.
-function hatch(context, from, to, y) {
+export function hatch(context, from, to, y) {
   context.beginPath();
   context.moveTo(from, y);
   context.lineTo(to, y);

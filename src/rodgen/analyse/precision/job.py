@@ -16,6 +16,7 @@ from rodgen.arrays import Array
 from rodgen.errors import AnalysisError, InputError
 from rodgen.loading import build
 from rodgen.loading.generated_module import call_module
+from rodgen.model.terms import CONTACTS
 from rodgen.scene import Scene
 from rodgen.system.freezing import masses_at
 
@@ -252,4 +253,5 @@ def without_loads(scene: Scene) -> Scene:
     changes = masses_at(scene, scene.integrate.span[0])
     changes |= {"loads": {}, "states": {}, "initial": {}, "integrate": {}}
     changes |= {"supports": [], "events": [], "foundation": None}
+    changes |= {term.table: [] for term in CONTACTS}
     return scene.replace(changes)

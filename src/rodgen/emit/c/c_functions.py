@@ -215,7 +215,7 @@ def _border_context(functions: Functions) -> dict[str, Any]:
         )
     names = list(structure.laws)
     signals = [*laws.sensors, *laws.states]
-    gains = laws.gains.items()
+    gains = laws.seen_gains.items()
     numbered = [(names.index(of), signals.index(by), str(gain)) for gain, (of, by, _) in gains]
     return {"inputs": len(laws.inputs), "laws": len(names), "gains": numbered, "sensors": sensors}
 

@@ -144,7 +144,7 @@ class ResultFile(Closing):
         number, t, y, found = (self._file.read_fixed(name) for name in file_layout.EVENT)
         kept = self._good_events(number, t, y, found)
         with as_input_error(self.path):
-            names = [self.scene.events[k].name for k in number[kept]]
+            names = [self.scene.watched_events[k].name for k in number[kept]]
         return tuple(map(Event, names, map(float, t[kept]), native_copy(y[kept])))
 
     def _good_events(

@@ -72,7 +72,7 @@ def to_xarray(trajectory: Trajectory) -> xarray.Dataset:
 
 def _event_numbers(trajectory: Trajectory) -> list[int]:
     """Numbers in the scene of the kinds of all events."""
-    names = [event.name for event in trajectory.scene.events]
+    names = [event.name for event in trajectory.scene.watched_events]
     return [names.index(event.name) for event in trajectory.events]
 
 

@@ -53,4 +53,13 @@ from rodgen.scene.grammar.syntax_tree import (
     written_parts,
 )
 from rodgen.scene.grammar.table_data import TableData
-from rodgen.scene.grammar.vocabulary import ALLOWED, CUBIC, FUNCTIONS, LINEAR, SENSED, SLOPE, TABLE
+from rodgen.scene.grammar.vocabulary import (
+    ALLOWED,
+    CUBIC,
+    FUNCTIONS,
+    LINEAR,
+    OF_STOPS,
+    SENSED,
+    SLOPE,
+    TABLE,
+)

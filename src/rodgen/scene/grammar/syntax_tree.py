@@ -16,6 +16,7 @@ from rodgen.scene.grammar.vocabulary import (
     COMPARE,
     FUNCTIONS,
     LINEAR,
+    OF_STOPS,
     SENSORS,
     TABLE,
     UNARY,
@@ -44,7 +45,8 @@ class InterpolationTable(NamedTuple):
 
 
 class Sensor(NamedTuple):
-    """A sensor: its quantity, of SENSORS, and its place on the rod, from 0 to 1."""
+    """A sensor: its quantity, of SENSORS, and its place on the rod, from 0 to 1; of a stop the
+    number of that."""
 
     what: str
     at: float
@@ -120,7 +122,9 @@ def check_tree(
             _check_table(node, numbers, known_tables, refuse)
         case ast.Call(func=ast.Name(id=name)) if name in SENSORS and states is not None:
             if sensor_of(node) is None:
-                raise refuse(node, f"{name}(s) with a number s from 0 to 1")
+                stops = f"{name}(k) with the number k of one of [[{name}s]], from 0 on"
+                at_point = f"{name}(s) with a number s from 0 to 1"
+                raise refuse(node, stops if name in OF_STOPS else at_point)
         case _:
             raise refuse(node, "")
     for child, is_condition in children(node):
@@ -288,8 +292,9 @@ def sensor_of(node: ast.AST) -> Sensor | None:
     match node:
         case ast.Call(
             func=ast.Name(id=what), args=[ast.Constant(value=int() | float() as at)], keywords=[]
-        ) if what in SENSORS and not isinstance(at, bool) and 0 <= at <= 1:
-            return Sensor(what, float(at))
+        ) if what in SENSORS and not isinstance(at, bool):
+            there = float(at).is_integer() and at >= 0 if what in OF_STOPS else 0 <= at <= 1
+            return Sensor(what, float(at)) if there else None
     return None
 
 

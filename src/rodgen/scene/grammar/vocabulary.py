@@ -13,7 +13,9 @@ import numpy as np
 LINEAR, CUBIC = "linear", "cubic"
 TABLE = "interp"
 SLOPE = "_slope"  # of a table: what its kind ends in where its derivative is meant
-SENSORS = ("phi", "omega", "x", "y", "vx", "vy")
+AT_POINTS = ("phi", "omega", "x", "y", "vx", "vy")
+OF_STOPS = ("stop", "joint_stop")  # what pushes, by its number in the scene: its force or moment
+SENSORS = (*AT_POINTS, *OF_STOPS)
 
 
 @dataclass(frozen=True)
@@ -68,4 +70,5 @@ ALLOWED = (
     + " ".join(FUNCTIONS)
     + " and interp(x, [knots], [values]) or interp(x, 'table')"
 )
-SENSED = ", and " + " ".join(f"{name}(s)" for name in SENSORS) + " with a number s from 0 to 1"
+SENSED = ", and " + " ".join(f"{name}(s)" for name in AT_POINTS) + " with a number s from 0 to 1"
+SENSED += ", stop(0) joint_stop(0) with the number of a table"

@@ -219,6 +219,7 @@ class FrameRenderer:
         ]
         self._anchors = scene.anchors
         self._bed = stage.add_line(BED, linewidth=9.0)
+        self._obstacles = [(line, stage.add_line(FIXED, linewidth=2.5)) for line in scene.obstacles]
         self._ties = [
             (
                 tie,
@@ -269,6 +270,8 @@ class FrameRenderer:
 
     def _show_anchors(self, k: int) -> None:
         self._show(self._bed, self.camera.to_picture_at(k, self._anchors.foundation_line))
+        for points, line in self._obstacles:
+            self._show(line, self.camera.to_picture_at(k, points))
         for tie, spring, fixed in self._ties:
             way = self.camera.to_picture_at(k, tie.segment(self._motion.joints[k]))
             self._show(spring, way)
