@@ -26,13 +26,13 @@ class JointStop(Contact, JointLaw, PointLoad):
         """One for its joint, else zero."""
         return IndexedBase(f"{self.term}_here", real=True)
 
-    def _seen(self, motion: BendMotion, value: Value) -> tuple[Any, Any, Any]:
+    def _seen(self, motion: BendMotion) -> tuple[Any, Any, Any]:
         """Side to which the joint bends towards the stop (1: left, -1: right), depth, its rate."""
-        side = value(self.number("direction"))
-        return side, side * motion.bend - value(self.number("gap")), side * motion.rate
+        side = self.number("direction")
+        return side, side * motion.bend - self.number("gap"), side * motion.rate
 
     def moment(self, motion: BendMotion) -> Expr:
-        side, depth, rate = self._seen(motion, lambda of: of)
+        side, depth, rate = self._seen(motion)
         return -side * self.push(depth, rate)
 
     def spring_arrays(self, chain: GenericChain) -> dict[IndexedBase, Expr]:
@@ -53,7 +53,7 @@ class JointStop(Contact, JointLaw, PointLoad):
         return root if at == 0 else BendMotion(*(S(e).subs(s, at) for e in inner))
 
     def contact(self, chain: GenericChain) -> ContactState:
-        _, depth, rate = self._seen(self._motion(chain), lambda of: of)
+        _, depth, rate = self._seen(self._motion(chain))
         return ContactState(depth, self.push(depth, rate), self.opening(rate))
 
     @property
@@ -69,11 +69,11 @@ class JointStop(Contact, JointLaw, PointLoad):
         known = dict(zip((phi[at], omega[at]), (seen[half - 1], seen[-1]), strict=True))
         if half == 2:
             known |= dict(zip((phi[at - 1], omega[at - 1]), (seen[0], seen[2]), strict=True))
-        _, depth, rate = self._seen(motion, lambda of: of)
+        _, depth, rate = self._seen(motion)
         return self.push(depth, rate).xreplace(known)
 
     def power(self, chain: GenericChain) -> Expr:
-        _, depth, rate = self._seen(self._motion(chain), lambda of: of)
+        _, depth, rate = self._seen(self._motion(chain))
         return self.damping_power(depth, rate)
 
     def energy(self, chain: GenericChain) -> Expr:
@@ -81,13 +81,15 @@ class JointStop(Contact, JointLaw, PointLoad):
 
     # By hand ------------------------------------------------------------------------------------
 
-    def moment_by_hand(self, motion: BendMotion, value: Value, functions: Any) -> Num:
-        side, depth, rate = self._seen(motion, value)
-        return -side * self.push_by_hand(depth, rate, value)
-
     def approach_by_hand(self, motion: BendMotion, value: Value, functions: Any) -> tuple[Any, ...]:
-        _, depth, rate = self._seen(motion, value)
-        return depth, rate, 1
+        """Bend to the left beyond the gap, or to the right."""
+        if value(self.number("direction")) > 0:
+            return motion.bend - value(self.number("gap")), motion.rate, 1
+        return -value(self.number("gap")) - motion.bend, -motion.rate, 1
+
+    def moment_by_hand(self, motion: BendMotion, value: Value, functions: Any) -> Num:
+        push = self.state_by_hand(motion, value, functions)[1]
+        return -push if value(self.number("direction")) > 0 else push
 
 
 LOAD = JointStop()

@@ -5,12 +5,11 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Any
 
-import sympy
 from sympy import Eq, Expr, IndexedBase, Piecewise, S
 
 from rodgen.model.rod import Boundary
 
-from ..chain import Vector, link_step
+from ..chain import Vector, direction, link_step
 from ..generic_chain import GenericChain
 from ..symbols import i, joint_vx, joint_vy, joint_x, joint_y
 from .contact import Contact, ContactState
@@ -38,21 +37,20 @@ class Stop(Contact, PointForce):
     def constants(self, first_joint: int, links: int) -> list[Expr]:
         return [base[link] for base in self.force_arrays for link in range(links)]
 
-    def _seen(self, place: Vector, velocity: Vector, functions: Any, value: Value) -> Any:
+    def _seen(self, place: Vector, velocity: Vector) -> tuple[Vector, Expr, Expr]:
         """Unit vector towards the stop, depth and its rate, for a point at a place."""
-        angle = value(self.number("direction"))
-        unit = functions.cos(angle), functions.sin(angle)
-        to = (value(self.number("to", part)) for part in "01")
+        unit = direction(self.number("direction"))
+        to = (self.number("to", part) for part in "01")
         way = sum((x - x0) * u for x, x0, u in zip(place, to, unit, strict=True))
         rate = sum(v * u for v, u in zip(velocity, unit, strict=True))
-        return unit, way - value(self.number("gap")), rate
+        return unit, way - self.number("gap"), rate
 
     def _motion(self, link: Expr, at: Expr, way: Expr) -> Any:
         """Direction, depth and rate for a point a share ``way`` of a link behind joint ``at``."""
         x, y, vx, vy = link_step(link, way, self.rod.length(link)) if way != 0 else (S.Zero,) * 4
         place = joint_x[at] + x, joint_y[at] + y
         velocity = joint_vx[at] + vx, joint_vy[at] + vy
-        return self._seen(place, velocity, sympy, lambda of: of)
+        return self._seen(place, velocity)
 
     def _push(self, link: Expr, at: Expr, way: Expr) -> Vector:
         unit, depth, rate = self._motion(link, at, way)
@@ -93,7 +91,7 @@ class Stop(Contact, PointForce):
     def push_of(self, chain: GenericChain, seen: Sequence[Expr]) -> Expr:
         """Push by the numbers that it follows."""
         x, y, vx, vy = seen
-        _, depth, rate = self._seen((x, y), (vx, vy), sympy, lambda of: of)
+        _, depth, rate = self._seen((x, y), (vx, vy))
         return self.push(depth, rate)
 
     def power(self, chain: GenericChain) -> Expr:
@@ -106,15 +104,23 @@ class Stop(Contact, PointForce):
 
     # By hand ------------------------------------------------------------------------------------
 
-    def force_by_hand(self, motion: Any, value: Value, functions: Any) -> tuple[Any, ...]:
-        """Force on the point of its link."""
-        unit, depth, rate = self._seen(motion.place[:2], motion.velocity[:2], functions, value)
-        push = self.push_by_hand(depth, rate, value)
-        return -push * unit[0], -push * unit[1]
-
     def approach_by_hand(self, motion: Any, value: Value, functions: Any) -> tuple[Any, ...]:
-        _, depth, rate = self._seen(motion.place[:2], motion.velocity[:2], functions, value)
-        return depth, rate, 1
+        """Depth beyond the point of touching, which lies in the direction from `to`."""
+        (ux, uy), (x, y) = self._unit_by_hand(value, functions), motion.place[:2]
+        gap = value(self.number("gap"))
+        touched = (value(self.number("to", at)) + gap * u for at, u in (("0", ux), ("1", uy)))
+        x0, y0 = touched
+        vx, vy = motion.velocity[:2]
+        return ux * (x - x0) + uy * (y - y0), ux * vx + uy * vy, 1
+
+    def _unit_by_hand(self, value: Value, functions: Any) -> tuple[Any, Any]:
+        angle = value(self.number("direction"))
+        return functions.cos(angle), functions.sin(angle)
+
+    def force_by_hand(self, motion: Any, value: Value, functions: Any) -> tuple[Any, ...]:
+        """Force on the point of its link: away from the stop."""
+        push = self.state_by_hand(motion, value, functions)[1]
+        return tuple(-push * u for u in self._unit_by_hand(value, functions))
 
 
 LOAD = Stop()

@@ -4,10 +4,9 @@ from __future__ import annotations
 
 from typing import Any
 
-import sympy
 from sympy import Expr, Min, Piecewise, S, Sum, tanh
 
-from ..chain import Vector
+from ..chain import Vector, direction
 from ..closed_form import Pair
 from ..generic_chain import GenericChain
 from ..symbols import joint, n
@@ -26,28 +25,19 @@ class Wall(Contact, JointDrag):
     letter = "Z"
     by_position = True
 
-    def _seen(self, of: JointMotion, functions: Any, value: Value) -> Any:
+    def _seen(self, of: JointMotion) -> tuple[Vector, Expr, Expr, Expr]:
         """Direction away from the wall, depth of a joint, its rate, and its speed along the wall,
         positive to the left of that direction: of the surface or, behind an edge, of the side to
         which the way out is shorter."""
-        angle = value(self.number("normal"))
-        c, s = functions.cos(angle), functions.sin(angle)
-        x, y = (value(self.number("point", part)) for part in "01")
+        c, s = direction(self.number("normal"))
+        x, y = (self.number("point", part) for part in "01")
         depth = (x - of.x) * c + (y - of.y) * s
         if (edge := self.number("edge")) is not None:
-            inside = value(edge) - (of.x - x) * s + (of.y - y) * c
-            at_surface = inside - depth
-            c, s = self._choose(at_surface, (c, s), (s, -c))
-            depth = (Min if isinstance(depth, Expr) else min)(depth, inside)
+            inside = edge - (of.x - x) * s + (of.y - y) * c
+            here = inside - depth >= 0
+            c, s = Piecewise((c, here), (s, True)), Piecewise((s, here), (-c, True))
+            depth = Min(depth, inside)
         return (c, s), depth, -(of.vx * c + of.vy * s), c * of.vy - s * of.vx
-
-    @staticmethod
-    def _choose(by: Any, first: Any, second: Any) -> Any:
-        """The first numbers, or symbols, where another is not negative, else the second ones."""
-        if isinstance(by, Expr):
-            pairs = zip(first, second, strict=True)
-            return [Piecewise((a, by >= 0), (b, True)) for a, b in pairs]
-        return first if by >= 0 else second
 
     def _friction(self, push: Expr, speed: Expr) -> Expr:
         """Force of friction along the wall [N] at a push and a speed."""
@@ -56,14 +46,14 @@ class Wall(Contact, JointDrag):
         return -mu * push * tanh(speed / self.number("friction_speed"))
 
     def force(self, of: JointMotion) -> Vector:
-        (c, s), depth, rate, speed = self._seen(of, sympy, lambda e: e)
+        (c, s), depth, rate, speed = self._seen(of)
         push = of.length * self.push(depth, rate)
         along = self._friction(push, speed)
         return push * c - along * s, push * s + along * c
 
     def contact(self, chain: GenericChain) -> ContactState:
         motion = self.motion(chain)
-        _, depth, rate, _ = self._seen(motion, sympy, lambda e: e)
+        _, depth, rate, _ = self._seen(motion)
         push = motion.length * self.push(depth, rate)
         return ContactState(depth, push, self.opening(rate), self._side(motion))
 
@@ -71,14 +61,13 @@ class Wall(Contact, JointDrag):
         """How much further it is to the edge than to the surface; one without an edge."""
         if (edge := self.number("edge")) is None:
             return S.One
-        angle = self.number("normal")
-        c, s = sympy.cos(angle), sympy.sin(angle)
+        c, s = direction(self.number("normal"))
         x, y = (of.x - self.number("point", "0"), of.y - self.number("point", "1"))
         return edge - x * s + y * c + x * c + y * s
 
     def power(self, chain: GenericChain) -> Expr:
         motion = self.motion(chain)
-        _, depth, rate, speed = self._seen(motion, sympy, lambda e: e)
+        _, depth, rate, speed = self._seen(motion)
         push = motion.length * self.push(depth, rate)
         lost = motion.length * self.damping_power(depth, rate) + self._friction(push, speed) * speed
         return Sum(lost, (joint, chain.boundary_condition.first_joint, n))
@@ -90,25 +79,43 @@ class Wall(Contact, JointDrag):
 
     # By hand ------------------------------------------------------------------------------------
 
-    def force_by_hand(self, of: JointMotion, value: Value, functions: Any) -> Pair:
-        (c, s), depth, rate, speed = self._seen(of, functions, value)
-        push = of.length * self.push_by_hand(depth, rate, value)
-        along = self._friction_by_hand(push, speed, value, functions)
-        return push * c - along * s, push * s + along * c
+    def _frame_by_hand(self, of: JointMotion, value: Value, functions: Any) -> tuple[Any, ...]:
+        """Frame of the wall, with axes to the right along its surface and away from it: whether a
+        joint leaves through the side behind the edge, its depth, its speed outwards, and along the
+        wall, positive as the first axis is if the second points outwards."""
+        turned = value(self.number("normal")) - functions.pi / 2
+        c, s = functions.cos(turned), functions.sin(turned)
+        x, y = of.x - value(self.number("point", "0")), of.y - value(self.number("point", "1"))
+        right, out = c * x + s * y, c * y - s * x
+        v_right, v_out = c * of.vx + s * of.vy, c * of.vy - s * of.vx
+        edge = self.number("edge")
+        if edge is not None and value(edge) - right < -out:
+            return True, value(edge) - right, v_right, -v_out
+        return False, -out, v_out, v_right
 
-    def _friction_by_hand(self, push: Any, speed: Any, value: Value, functions: Any) -> Any:
+    def force_by_hand(self, of: JointMotion, value: Value, functions: Any) -> Pair:
+        sideways, depth, outwards, along = self._frame_by_hand(of, value, functions)
+        push = of.length * self.push_by_hand(depth, -outwards, value)
+        rub = self._rub_by_hand(push, along, value, functions)
+        right, out = (push, -rub) if sideways else (rub, push)
+        turned = value(self.number("normal")) - functions.pi / 2
+        c, s = functions.cos(turned), functions.sin(turned)
+        return c * right - s * out, s * right + c * out
+
+    def _rub_by_hand(self, push: Any, along: Any, value: Value, functions: Any) -> Any:
+        """Force of friction in the sense in which the speed along the wall counts."""
         if (mu := self.number("friction")) is None:
             return 0 * push
-        return -value(mu) * push * functions.tanh(speed / value(self.number("friction_speed")))
+        return -value(mu) * push * functions.tanh(along / value(self.number("friction_speed")))
 
     def approach_by_hand(self, of: JointMotion, value: Value, functions: Any) -> tuple[Any, ...]:
-        _, depth, rate, _ = self._seen(of, functions, value)
-        return depth, rate, of.length
+        _, depth, outwards, _ = self._frame_by_hand(of, value, functions)
+        return depth, -outwards, of.length
 
     def lost_by_hand(self, of: JointMotion, value: Value, functions: Any) -> Any:
-        _, depth, rate, speed = self._seen(of, functions, value)
-        push = of.length * self.push_by_hand(depth, rate, value)
-        rubbed = self._friction_by_hand(push, speed, value, functions) * speed
+        _, depth, outwards, along = self._frame_by_hand(of, value, functions)
+        push = of.length * self.push_by_hand(depth, -outwards, value)
+        rubbed = self._rub_by_hand(push, along, value, functions) * along
         return super().lost_by_hand(of, value, functions) + rubbed
 
 

@@ -7,9 +7,11 @@ from typing import TYPE_CHECKING
 
 from rodgen.model.quantities import (
     ADDED,
+    CONTACTS,
     DATASET,
     FILE,
     FORCES,
+    JOINT_CONTACTS,
     LOADS,
     POWERS,
     QUANTITIES,
@@ -30,6 +32,8 @@ ONE_FOR_EACH = {
     FORCES: "load on joints",
     LOADS: "load that changes with time, by its parameter",
     ADDED: "state that the scene adds",
+    CONTACTS: "stop and wall",
+    JOINT_CONTACTS: "stop in a joint",
 }
 OF_RODS = {"translates": "free rods", "is_held": "rods that are held", "is_clamped": "clamped rods"}
 KEPT = {FILE: "file, dataset", DATASET: "dataset", SHOWN: ""}

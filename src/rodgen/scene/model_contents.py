@@ -25,7 +25,7 @@ class ModelPart:
 
 
 KINDS = [*TERMS]
-HALF = 0.5  # of the largest friction
+HALF, LEVEL = 0.5, 1e-12  # of the largest friction
 
 
 def model_parts(scene: Scene) -> list[ModelPart]:
@@ -188,6 +188,8 @@ def _describe_creep(scene: Scene, term: Term) -> str:
         drives = abs(falls[1] * cos(angle) - falls[0] * sin(angle))
         share = drives / (mu * presses) if mu and presses > 0 else inf
         under = "its weight"
+    if share < LEVEL:
+        return "; what lies on it stays where it is"
     if share >= 1:
         return "; what lies on it slides under its weight"
     return f"; what lies on it creeps under {under}, at {slow * atanh(share):.6g} m/s"
