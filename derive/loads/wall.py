@@ -70,6 +70,8 @@ class Wall(Contact, JointDrag):
         _, depth, rate, speed = self._seen(motion)
         push = motion.length * self.push(depth, rate)
         lost = motion.length * self.damping_power(depth, rate) + self._friction(push, speed) * speed
+        if lost == 0:
+            return S.Zero
         return Sum(lost, (joint, chain.boundary_condition.first_joint, n))
 
     def energy(self, chain: GenericChain) -> Expr:

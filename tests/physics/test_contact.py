@@ -250,6 +250,57 @@ def test_scenes_with_contacts_keep_the_balance(name: str) -> None:
     assert sol.energy_error < 1e-8 * max(1.0, moved)
 
 
+def swinging_link(**integrate: Any) -> Scene:
+    """A pendulum that swings down onto an upright wall without damping, 20 kN/m^2 of its metre."""
+    return Scene.from_dict(
+        {
+            "name": "pendulum",
+            "rod": LINK | {"length": 1.0, "mass": 1.0, "boundary": "pinned"},
+            "loads": {"gravity": {}},
+            "walls": [{"normal": 0.0, "stiffness": 2e4}],
+            "integrate": {"span": [0.0, 1.0]} | integrate,
+        }
+    )
+
+
+@pytest.mark.parametrize("how", [{"target": "numpy"}, {"method": "lsoda"}])
+def test_a_wall_that_takes_no_energy_does_no_work(how: dict[str, Any]) -> None:
+    """The energy of the fall, m g L/2, presses the tail in: k L d^2/4 of the half link there."""
+    sol = rodgen.simulate(swinging_link(rtol=1e-10), output_every=1e-4, progress=False, **how)
+    assert "wall" not in sol.work
+    assert sol.energy_error < 1e-7
+    deepest = sol.values("depth_wall_1").max()
+    assert 1e4 * deepest**2 / 2 == pytest.approx(0.5 * G, rel=1e-3)
+    for absent in ("push_wall_0", "push_wall_2", "push_wall_x", "depth_stop"):
+        with pytest.raises(KeyError, match="is no quantity"):
+            sol.values(absent)
+
+
+def test_a_fixed_step_is_held_against_the_contacts() -> None:
+    """By the spring k/2 of the tail, sqrt(3 k/(2 m)) = 173 rad/s, though it is apart at the start
+    and acts along the link there; the limit of rk4 is 2.83 over that."""
+    scene = swinging_link()
+    limit = rodgen.describe(scene).largest_stable_steps["rk4"]
+    assert limit == pytest.approx(2.8284 / math.sqrt(3e4), rel=1e-3)
+    with pytest.warns(rodgen.DoubtWarning, match="while contacts are pressed"):
+        rodgen.simulate(scene, method="rk4", step=1.2 * limit, progress=False)
+
+
+def test_what_begins_on_the_edge_of_a_stop_is_found_lying_on_it() -> None:
+    scene = Scene.from_dict(
+        {
+            "name": "lying",
+            "rod": {"links": 2, "length": 1.0, "mass": 1.0, "boundary": "pinned"}
+            | {"bending_stiffness": 100.0},
+            "loads": {"gravity": {}},
+            "stops": [{"at": 1.0, "direction": "-pi/2", "stiffness": 1e3}],
+        }
+    )
+    tail = rodgen.static_equilibrium(scene).joints[-1, 1]
+    # Half of the weight, and less than a thousandth of it for the angle.
+    assert tail == pytest.approx(-0.5 * G / 1e3, rel=1e-3)
+
+
 # Joints -------------------------------------------------------------------------------------------
 
 

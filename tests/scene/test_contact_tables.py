@@ -31,6 +31,7 @@ def scene(boundary: str = "clamped", **tables: Any) -> Scene:
         ({"stops": [STOP | {"damping": -1.0}]}, "stops[0].damping"),
         ({"stops": [STOP | {"at": 1.5}]}, "stops[0].at"),
         ({"stops": [STOP | {"force": 1.0}]}, "stops[0].force"),
+        ({"stops": [STOP | {"at": 0.0}]}, "stops[0].at"),
         ({"stops": STOP}, "stops"),
         ({"stops": [STOP] * 101}, "stops"),
         ({"joint_stops": [JOINT_STOP | {"at": 0.4}]}, "joint_stops[0].at"),
@@ -41,6 +42,8 @@ def scene(boundary: str = "clamped", **tables: Any) -> Scene:
         ({"walls": [WALL | {"point": [1.0]}]}, "walls[0].point"),
         ({"loads": {"joint_friction": {"rate": 0.0}}}, "loads.joint_friction.rate"),
         ({"loads": {"tip": {"x": "stop(1)"}}, "stops": [STOP]}, "loads.tip.x"),
+        ({"loads": {"tip": {"x": "joint_stop(0)"}}}, "loads.tip.x"),
+        ({"states": {"push_stop": {"rate": 1.0}}}, "states.push_stop"),
         ({"loads": {"tip": {"x": "stop(0.5)"}}, "stops": [STOP]}, "loads.tip.x"),
         (
             {"stops": [STOP], "events": [{"quantity": "push_wall", "value": 1.0}]},

@@ -14,10 +14,11 @@ import numpy as np
 
 from rodgen.analyse.analysis_guard import SHOW, check_analysis_memory, guard_analysis
 from rodgen.arrays import Array
+from rodgen.integrate.contact_press import all_presses
 from rodgen.integrate.diagnosis import drift_doubt
 from rodgen.integrate.methods.method_choice import Choice, choose, describe_motion, fastest_motion
 from rodgen.integrate.quantity_formulas import MotionSlice as Sample
-from rodgen.integrate.stability import step_limit
+from rodgen.integrate.stability import dominant, step_limit
 from rodgen.model.methods import FIXED_STEP
 from rodgen.progress import report_stage
 from rodgen.result import Note, Result, Row, doubt, omit_from_tables, remarks
@@ -175,6 +176,13 @@ def describe(system: System | Scene) -> Description:
             fastest = fastest_motion(system, model)
             limits = {name: step_limit(name, fastest.value, fastest.partner) for name in FIXED_STEP}
             words = describe_motion(fastest)
+            begin = system.settings.span[0], system.y0
+            for near in all_presses(model, *begin, system.p):
+                touching = dominant(model, *begin, near)
+                limits = {
+                    name: min(step, step_limit(name, touching.value, touching.partner))
+                    for name, step in limits.items()
+                }
     else:
         model = system.model("numpy", parts=("kinetics",))
     unfit = () if lacking is None else (doubt(f"no run: {lacking}"),)

@@ -26,6 +26,7 @@ from rodgen.analyse.steady_rod import SteadyRod, Unknowns
 from rodgen.analyse.support_springs import hanging_shape
 from rodgen.arrays import Array
 from rodgen.errors import AnalysisError
+from rodgen.integrate.contact_press import press_contacts
 from rodgen.integrate.quantity_formulas import MotionSlice
 from rodgen.integrate.weights import falls_of
 from rodgen.model.term import COUPLE, DRAG, FORCE, Term
@@ -88,6 +89,14 @@ def _find_rest(rod: SteadyRod, p: Array, bend: float) -> tuple[Iterate, tuple[fl
     except FoldError:
         raise
     except AnalysisError:
+        start = rod.state_at_rest(rod.unknowns_at_rest(rod.unloaded_angles, strict=False))
+        if (near := press_contacts(rod.model, rod.t, start, p)) is not None:
+            # It may begin on the edge of what it lies on, which gives way there.
+            with suppress(AnalysisError):
+                lying, _ = _load_from_rest_shape(rod, near, bend)
+                return step_to_equilibrium(
+                    rod, lying, lambda done: Loading(near + done * (p - near))
+                )
         if bend:  # it says to which side the rod goes
             raise
         acting = [term for place, term in _growing_parameters(rod) if p[place].any()]

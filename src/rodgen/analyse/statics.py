@@ -228,5 +228,6 @@ def _check_support(rod: SteadyRod, p: Array) -> None:
     start = rod.unknowns_at_rest(rod.unloaded_angles, strict=False)
     if not follows or len(free_directions(rod, start, p)) == rod.n_base:
         allowed = "clamped, cantilever or pinned: nothing holds a free rod in place without "
-        allowed += "[[supports]], [foundation] or loads that follow its place"
+        allowed += "[[supports]], [foundation] or loads that follow its place; of [[stops]] and "
+        allowed += "[[walls]] those that it presses where it begins (`initial`)"
         raise InputError("rod.boundary", rod.system.structure.boundary, allowed)

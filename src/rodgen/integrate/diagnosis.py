@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from rodgen.arrays import Array
 from rodgen.errors import shorten
+from rodgen.integrate.contact_press import all_presses
 from rodgen.integrate.methods.method_choice import tolerance_doubt
 from rodgen.integrate.stability import step_doubt
 from rodgen.integrate.stretches import Integrator, Pole
@@ -61,6 +62,10 @@ def step_doubts(system: System, model: ModuleType) -> Iterator[Note]:
         return
     (start, end), y0 = settings.span, system.y0
     long = step_doubt(settings.method, settings.step, end - start, model, start, y0, system.p)
+    for near in () if long else all_presses(model, start, y0, system.p):
+        of = settings.method, settings.step, end - start, model
+        if not long and (touching := step_doubt(*of, start, y0, near)) is not None:
+            long = doubt(f"while contacts are pressed, {touching.text}", **touching.figures)
     yield from filter(None, (drifts, long))
     yield from _pulse_doubts(system, settings.step)
     half = system.time_laws.half_period()

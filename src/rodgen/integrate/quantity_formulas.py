@@ -367,16 +367,19 @@ def _signals(motion: Motion) -> dict[str, Array]:
 def _of_contact(motion: Motion, what: str, name: str) -> Array:
     """Depth or push of a contact: of a wall the largest depth and the sum of the
     pushes of all joints, or those of one, wall_7."""
-    found, joint = motion.values("contacts"), ""
-    if f"{what}_{name}" not in found:
-        name, _, joint = name.rpartition("_")
-    value: Array = found[f"{what}_{name}"]
-    if value.shape == motion.t.shape:
+    found = motion.values("contacts")
+    if (whole := found.get(f"{what}_{name}")) is not None:
+        value: Array = whole
+        if value.shape != motion.t.shape:
+            value = value.max(axis=-1) if what == "depth" else value.sum(axis=-1)
         return value
-    if joint:
-        return value[..., int(joint) - motion.boundary_condition.first_joint]
-    whole: Array = value.max(axis=-1) if what == "depth" else value.sum(axis=-1)
-    return whole
+    wall, _, joint = name.rpartition("_")
+    every = found.get(f"{what}_{wall}")
+    at = int(joint) - motion.boundary_condition.first_joint if joint.isdecimal() else -1
+    if every is None or every.shape == motion.t.shape or not 0 <= at < every.shape[-1]:
+        raise KeyError(f"{what}_{name} is no quantity{did_you_mean(f'{what}_{name}', found)}")
+    one: Array = every[..., at]
+    return one
 
 
 FORMULAS: dict[str, Callable[[Motion], Any]] = {

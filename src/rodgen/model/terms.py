@@ -50,10 +50,12 @@ from rodgen.model.term import (
 
 
 def _law(name: str, unit: str, per_length: bool = False) -> tuple[Parameter, ...]:
-    """Parameters of the law of a contact, k d^e max(0, 1 + c d'), by the unit of its depth d."""
+    """Parameters of the law of a contact, k d^e max(0, 1 + c d'), by the unit of its depth d; e is
+    1 of one per length of rod."""
     force = "N m" if unit == "rad" else "N/m" if per_length else "N"
     words, per = name.replace("_", " "), " per length of rod" * per_length
     stiffness = "N/m^2" if per_length else f"{force}/{unit}"
+    power = "d" if per_length else "d^e"
     exponent = Parameter(
         f"{name}_exponent",
         "exponent",
@@ -84,7 +86,8 @@ def _law(name: str, unit: str, per_length: bool = False) -> tuple[Parameter, ...
             f"damping of the {words}",
             "c",
             f"s/{unit}",
-            "c: the push is k d^e max(0, 1 + c d') with the rate d' of its depth []; without it 0",
+            f"c: the push is k {power} max(0, 1 + c d') with the rate d' of its depth []; without "
+            "it 0",
             rule=NOT_NEGATIVE,
             optional=True,
         ),

@@ -88,8 +88,10 @@ class ContactTables(TermTables):
 
 def _links(at: float, mesh: RodMesh, boundary: Boundary) -> str:
     """Words for the places that a stop may have; empty where s is one of them."""
-    moves = mesh.link_and_share(at)[0] >= boundary.first
-    return "" if moves else f"on a link that moves, beyond {mesh.places[1]:.6g}"
+    link, share = mesh.link_and_share(at)
+    if link >= boundary.first and (share or link >= boundary.first_joint):
+        return ""
+    return f"a point that moves, beyond {mesh.places[boundary.first]:.6g}"
 
 
 def _joints(at: float, mesh: RodMesh, boundary: Boundary) -> str:
@@ -98,6 +100,8 @@ def _joints(at: float, mesh: RodMesh, boundary: Boundary) -> str:
     if link in springs and not share:
         return ""
     places = [f"{s:.9g}" for s in mesh.places[springs.start : springs.stop]]
+    if mesh.is_even:
+        places = [f"{at}/{mesh.links}" for at in springs]
     few = places if len(places) < MANY else [*places[:2], "...", places[-1]]
     return f"s of a joint with a spring: {', '.join(few)}" if few else "absent: no joint bends"
 

@@ -91,7 +91,9 @@ def check_stops(e: Expression, loads: Collection[str]) -> None:
     """Raise InputError for a law that reads a stop which a rod with these loads does not have."""
     for of in e.sensors:
         if of.what in OF_STOPS and stop_name(of) not in loads:
-            allowed = f"of stops that the rod has, unlike {of.what}({of.at:g})"
+            count = sum(TERMS[name].base_name == of.what for name in loads)
+            there = f"{of.what}(0) to {of.what}({count - 1}) alone" if count else "without it"
+            allowed = f"{there}, not {of.what}({of.at:g}): there are {count} [[{of.what}s]]"
             raise InputError(e.field, e.text, allowed)
 
 

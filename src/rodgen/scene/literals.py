@@ -18,7 +18,7 @@ from rodgen.errors import InputError
 from rodgen.model.quantities import QUANTITIES, parse_number
 from rodgen.model.rod import MASS_PER_LENGTH
 from rodgen.model.term import ANY, KNOTS, Parameter
-from rodgen.model.terms import PARAMETERS, TERMS
+from rodgen.model.terms import CONTACTS, PARAMETERS, TERMS
 from rodgen.scene import grammar
 from rodgen.scene.grammar import FUNCTIONS, TABLE
 from rodgen.scene.plain_tables import is_number
@@ -32,7 +32,11 @@ NAME = re.compile(rf"[A-Za-z][A-Za-z0-9_]{{0,{LONGEST - 1}}}")
 TAKEN = {"t", "s", "d", "k", "p", "y", "np", "math", "fins", "N", "pi", TABLE, *FUNCTIONS}
 # A number of an expression without a name, or a table.
 MADE = re.compile(r"(.+?)_(?:knot_|value_|table_)?\d+")
-OF_LOADS = ("work_", "power_", "force_")  # before the name of a load, its quantities
+# Before the name of a load, its quantities; of contacts, theirs.
+OF_LOADS = (
+    *("work_", "power_", "force_"),
+    *(f"{what}_{term.name}" for what in ("depth", "push") for term in CONTACTS),
+)
 SENSORS = re.compile(r"(phi|omega|x|y|vx|vy|stop|joint_stop)(_?\d+)?")
 
 

@@ -37,7 +37,7 @@ def _check_not_tiny(value: float) -> float:
     return value
 
 
-def _check_side(value: int) -> int:
+def _check_side(value: float) -> float:
     if value not in (1, -1):
         raise PydanticCustomError("side", "1 or -1")
     return value
@@ -52,7 +52,7 @@ NotNegative = Annotated[float, Field(allow_inf_nan=False, ge=0, le=LARGEST)]
 Mass = Annotated[NotNegative, AfterValidator(_check_not_tiny)]  # which may be none
 Share = Annotated[float, Field(ge=0, le=1)]
 AtLeastOne = Annotated[float, Field(allow_inf_nan=False, ge=1, le=LARGEST)]
-Side = Annotated[int, AfterValidator(_check_side)]
+Side = Annotated[float, AfterValidator(_check_side)]
 Pair = Annotated[list[Expressed[Finite]], Field(min_length=2, max_length=2), AS_TEXTS]
 NotNegativePair = Annotated[
     list[Expressed[NotNegative]], Field(min_length=2, max_length=2), AS_TEXTS

@@ -63,17 +63,18 @@ def check_term(text: str, links: int, boundary: Boundary) -> None:
     if term.options and (given or not term.placed):
         some = ["+".join(keys) for keys in _choices(term.options)]
         if given not in some:
-            check_choice("terms", text, [kind, *(f"{kind}@{keys}" for keys in some)])
+            place = f"{where or 'LINK'}+" * term.placed
+            check_choice("terms", text, [kind, *(f"{kind}@{place}{keys}" for keys in some)])
         if not where:
             return
     if not term.placed:
         raise InputError("terms", text, f"{kind}, which has no place")
+    springs = boundary.spring_joints(links)
+    if term.at_joints and not (where.isdecimal() and int(where) in springs):
+        allowed = f"{kind}@joint, a joint with a spring, {springs.start} to {springs.stop - 1}"
+        raise InputError("terms", text, allowed)
     allowed = f"{kind}@link or {kind}@link+share, of a load at a point of one of {links} links"
     if not _is_place(where, links):
-        raise InputError("terms", text, allowed)
-    springs = boundary.spring_joints(links)
-    if term.at_joints and ("+" in where or int(where) not in springs):
-        allowed = f"{kind}@joint, a joint with a spring, {springs.start} to {springs.stop - 1}"
         raise InputError("terms", text, allowed)
 
 
