@@ -380,6 +380,10 @@ def test_a_limit_cycle_grazes_the_stops_where_it_is_as_wide_as_they_are_apart() 
     loads = [rodgen.critical_load(scene).value for scene in (between, free)]
     assert loads[0] == pytest.approx(loads[1], rel=1e-9)
     key = "loads.follower.force"
+    plane, bounds = (key, "loads.material_damping.time"), ((5.0, 20.0), (0.002, 0.02))
+    found = [rodgen.stability_boundary(scene, plane, bounds=bounds) for scene in (between, free)]
+    for of in ("a", "b", "frequency"):
+        np.testing.assert_allclose(*(curve[of] for curve in found), rtol=1e-7)
     branch = rodgen.continue_cycles(free, key, (10.0, 10.8), target="c")
     for force, grazes in ((10.74, False), (10.749, True)):
         cycle = rodgen.find_cycle(free.replace({key: force}), start=branch, target="c")

@@ -59,7 +59,9 @@ def test_what_no_module_can_have_is_refused(tables: dict[str, Any], field: str) 
 
 def test_both_frictions_of_joints_and_taken_names_are_refused() -> None:
     both = {"moment_per_joint": 1.0, "moment_per_length": 1.0, "rate": 0.1}
-    assert "moment_per_joint" in refused(scene, loads={"joint_friction": both}).field
+    for wrong in (both, {"rate": 0.1}):
+        told = refused(scene, loads={"joint_friction": wrong})
+        assert told.field == "loads.joint_friction.moment_per_joint"
     event = {"quantity": "tip_x", "value": 1.0, "name": "stop touches"}
     assert refused(scene, stops=[STOP], events=[event]).field == "events[0].name"
     # Without a stop the name is free.

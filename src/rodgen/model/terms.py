@@ -49,53 +49,29 @@ from rodgen.model.term import (
 )
 
 
+# fmt: off
 def _law(name: str, unit: str, per_length: bool = False) -> tuple[Parameter, ...]:
     """Parameters of the law of a contact, k d^e max(0, 1 + c d'), by the unit of its depth d; e is
     1 of one per length of rod."""
-    force = "N m" if unit == "rad" else "N/m" if per_length else "N"
-    words, per = name.replace("_", " "), " per length of rod" * per_length
-    stiffness = "N/m^2" if per_length else f"{force}/{unit}"
-    power = "d" if per_length else "d^e"
-    exponent = Parameter(
-        f"{name}_exponent",
-        "exponent",
-        f"exponent of the {words}",
-        "e",
-        "",
+    words = name.replace("_", " ")
+    force, power = "N m" if unit == "rad" else "N", "d^e"
+    stiffness, per = f"{force}/{unit}", ""
+    if per_length:
+        stiffness, per, power = "N/m^2", " per length of rod", "d"
+    exponent = Parameter(f"{name}_exponent", "exponent", f"exponent of the {words}", "e", "",
         "e: the push grows as this power of the depth, of two spheres 1.5; `stiffness` is over "
-        f"that power of {unit}; without it 1",
-        rule=AT_LEAST_ONE,
-        optional=True,
-    )
+        f"that power of {unit}; without it 1", rule=AT_LEAST_ONE, optional=True)
     return (
-        Parameter(
-            f"{name}_stiffness",
-            "stiffness",
-            f"stiffness of the {words}",
-            "k",
-            stiffness,
-            f"k: push over the depth d{per} []",
-            rule=POSITIVE,
-            first=1000.0,
-            decades=True,
-        ),
+        Parameter(f"{name}_stiffness", "stiffness", f"stiffness of the {words}", "k", stiffness,
+            f"k: push over the depth d{per} []", rule=POSITIVE, first=1000.0, decades=True),
         *(() if per_length else (exponent,)),
-        Parameter(
-            f"{name}_damping",
-            "damping",
-            f"damping of the {words}",
-            "c",
-            f"s/{unit}",
-            f"c: the push is k {power} max(0, 1 + c d') with the rate d' of its depth []; without "
-            "it 0",
-            rule=NOT_NEGATIVE,
-            optional=True,
-        ),
+        Parameter(f"{name}_damping", "damping", f"damping of the {words}", "c", f"s/{unit}",
+            f"c: the push is k {power} max(0, 1 + c d') with the rate d' of its depth []; "
+            "without it 0", rule=NOT_NEGATIVE, optional=True),
     )
 
 
 # Terms: name, table, label, symbol, kind, words. Parameters: name, key, label, symbol, unit, words.
-# fmt: off
 ROWS = (
     Term("follower", "follower", "follower force", "P", FORCE,
         "thrust along a link, at the tail the last",
@@ -225,7 +201,7 @@ ROWS = (
         "a spring", parameters=(
         Parameter("joint_friction_moment", "moment_per_joint", "friction of a joint", "", "N m",
             "m_f, the moment of every joint []",
-            rule=NOT_NEGATIVE, default=0.0, first=0.01, unless="moment_per_length"),
+            rule=NOT_NEGATIVE, first=0.01, unless="moment_per_length"),
         Parameter("joint_friction_per_length", "moment_per_length", "joint friction per length",
             "", "N", "in its place the moment over the length that bends in a joint []",
             rule=NOT_NEGATIVE, optional=True),

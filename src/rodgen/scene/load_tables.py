@@ -80,7 +80,7 @@ def _make_field(parameter: Parameter) -> tuple[Any, Any]:
         # A type that is known when this runs, which annotations are not asked to tell.
         kind = Annotated[list[kind], Field(min_length=2, max_length=2)]  # type: ignore[valid-type]
         default = [parameter.default] * 2
-    if parameter.optional or parameter.computed:
+    if parameter.optional or parameter.computed or (parameter.unless and default is None):
         return kind | None, None
     return kind, ... if default is None else default
 
@@ -99,6 +99,8 @@ class TermTable(Table):
                 if one.key in self.model_fields_set:
                     raise InputError(f"{where}{one.key}", value, f"absent beside {one.unless}")
                 self.__dict__[one.key] = None
+            elif one.unless and value is None:
+                raise InputError(f"{where}{one.key}", Missing(), f"given, or {one.unless}")
             if one.beside and (value is None) != (getattr(self, one.beside) is None):
                 allowed = f"absent without {one.beside}"
                 if value is None:

@@ -85,10 +85,10 @@ def _contact_switches(contact: ContactTerm) -> Iterator[Switch]:
     yield Switch(lambda t, values: number(values), contact.count, reads=CONTACTS)
     for what in contact.switches:
 
-        def while_pressed(t: Any, values: Values, what: str = what) -> Any:
+        def if_touching(t: Any, values: Values, what: str = what) -> Any:
             return np.where(number(values) > 0, number(values, what), 1.0)
 
-        yield Switch(while_pressed, contact.count, reads=CONTACTS)
+        yield Switch(if_touching, contact.count, reads=CONTACTS)
 
 
 @dataclass(frozen=True)
