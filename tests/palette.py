@@ -75,6 +75,23 @@ TOUCHING = (
     *("joint_stop@2+damping", "joint_stop@3+exponent"),
     *("wall@edge+damping+friction", "wall", "wall@edge"),
 )
+# What the air pushes, with and without wind, and where that and the density follow the height: at
+# joints, within links, and at the tail.
+AIRBORNE = (
+    *("fins@1+1/4+wind", "fins@density_by_height+wind_by_height", "fins@2"),
+    *("nose@0+1/3+density_by_height", "nose@wind", "axial_drag@wind+density_by_height"),
+    *("axial_drag@3", "axial_drag@1+1/2+wind_by_height"),
+)
+AIR_LAWS = (
+    ("fins_2_density", "air_density_1 * exp(-y(1.0)/air_density_2)"),
+    ("fins_2_wind_x", "air_wind_x_1 * sin(t) * y(1.0)"),
+    ("fins_2_wind_y", "interp(y(1.0), [low, high], [still, windy])"),
+    ("nose_density", "air_density_1 * exp(-y(0.1)/air_density_2)"),
+    ("axial_drag_density", "air_density_1 * exp(-y(1.0)/air_density_2)"),
+    ("axial_drag_3_wind_x", "air_wind_x_1 * sin(t) * y(0.375)"),
+    ("axial_drag_3_wind_y", "interp(y(0.375), [low, high], [still, windy])"),
+    ("air_wind_x", "air_wind_x_1 * sin(t)"),
+)
 TIMED = Structure(
     4,
     "clamped",

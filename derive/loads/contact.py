@@ -8,16 +8,14 @@ d the depth by which it is pressed, d' its rate (K. H. Hunt, F. R. E. Crossley, 
 
 from __future__ import annotations
 
+from abc import abstractmethod
 from functools import cache
 from typing import Any, NamedTuple
 
 from sympy import Expr, Float, Max, Piecewise, S, Symbol, integrate, symbols
 
-from rodgen.model.terms import TERMS
-
 from ..closed_form import Num
 from ..generic_chain import GenericChain
-from ..symbols import PARAMETERS
 from .kinds import Load, Value
 
 LEAST = Float("1e-300")  # m or rad, that powers of a depth are taken of
@@ -51,14 +49,9 @@ class Contact(Load):
         """None: what the law makes of its parameters is given to the proofs of its work."""
         return ()
 
-    def number(self, *keys: str) -> Expr | None:
-        """Symbol of a parameter by its keys in the table; None where a module has none."""
-        rows = TERMS[self.term].parameters_with(self._given)
-        return next((PARAMETERS[row.name] for row in rows if row.key_path == keys), None)
-
+    @abstractmethod
     def contact(self, chain: GenericChain) -> ContactState:
         """Depth, push and opening of the contact."""
-        raise NotImplementedError
 
     # The law ------------------------------------------------------------------------------------
 
@@ -110,9 +103,9 @@ class Contact(Load):
         c = self.number("damping")
         return self.spring_push(depth, value) * max(0, 1 + (0 if c is None else value(c)) * rate)
 
+    @abstractmethod
     def approach_by_hand(self, motion: Any, value: Value, functions: Any) -> tuple[Num, Num, Num]:
         """Depth of a contact, its rate, and the length of rod that is pressed, in numbers."""
-        raise NotImplementedError
 
     def state_by_hand(self, motion: Any, value: Value, functions: Any) -> tuple[Num, Num, Num]:
         """Depth, push and opening, in numbers."""

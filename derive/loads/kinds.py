@@ -9,6 +9,7 @@
     JointDrag     a force on every joint that moves, by its velocity (joint_drag.py)
     Foundation    springs and dampers from every joint that moves to the ground (foundation.py)
     Supports      springs and dampers from a point of every link to the ground (supports.py)
+    PointLaw      a force on a point of a link, by its motion (point_law.py)
     Contact       what pushes while it is pressed, beside one of these (contact.py)
 
 A load is an object of one of these classes and has its law. Its kind derives from that the
@@ -110,6 +111,11 @@ class Load(ABC):
     def parameters(self) -> tuple[Symbol, ...]:
         """Symbols of the numbers in its law, without arrays."""
         return tuple(PARAMETERS[row.name] for row in self._rows if not row.is_array)
+
+    def number(self, *keys: str) -> Expr | None:
+        """Symbol of a parameter by its keys in the scene; None where a module has none."""
+        rows = TERMS[self.term].parameters_with(self._given)
+        return next((PARAMETERS[row.name] for row in rows if row.key_path == keys), None)
 
     @property
     def angles(self) -> tuple[Symbol, ...]:

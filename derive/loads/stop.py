@@ -5,37 +5,20 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Any
 
-from sympy import Eq, Expr, IndexedBase, Piecewise, S
+from sympy import Expr
 
-from rodgen.model.rod import Boundary
-
-from ..chain import Vector, direction, link_step
+from ..chain import Vector, direction
 from ..generic_chain import GenericChain
-from ..symbols import i, joint_vx, joint_vy, joint_x, joint_y
 from .contact import Contact, ContactState
 from .kinds import Value
-from .point_force import PointForce
+from .point_law import PointLaw, PointMotion
 
 
-class Stop(Contact, PointForce):
+class Stop(Contact, PointLaw):
     """A force on a point of a link, by its way beyond a gap in a direction."""
 
     letter = "S"
-    by_velocity = by_position = True
-    is_inside = True  # its arrays are of every joint, at the tail too
-    _depends_on_link = True
-
-    @property
-    def force_arrays(self) -> tuple[IndexedBase, ...]:
-        x, y = (IndexedBase(f"{self.term}_pull_{axis}", real=True) for axis in "xy")
-        return x, y
-
-    def force(self, angle: Expr) -> Vector:
-        x, y = (base[self.point.link] for base in self.force_arrays)
-        return x, y
-
-    def constants(self, first_joint: int, links: int) -> list[Expr]:
-        return [base[link] for base in self.force_arrays for link in range(links)]
+    by_position = True
 
     def _seen(self, place: Vector, velocity: Vector) -> tuple[Vector, Expr, Expr]:
         """Unit vector towards the stop, depth and its rate, for a point at a place."""
@@ -45,42 +28,14 @@ class Stop(Contact, PointForce):
         rate = sum(v * u for v, u in zip(velocity, unit, strict=True))
         return unit, way - self.number("gap"), rate
 
-    def _motion(self, link: Expr, at: Expr, way: Expr) -> Any:
-        """Direction, depth and rate for a point a share ``way`` of a link behind joint ``at``."""
-        x, y, vx, vy = link_step(link, way, self.rod.length(link)) if way != 0 else (S.Zero,) * 4
-        place = joint_x[at] + x, joint_y[at] + y
-        velocity = joint_vx[at] + vx, joint_vy[at] + vy
-        return self._seen(place, velocity)
-
-    def _push(self, link: Expr, at: Expr, way: Expr) -> Vector:
-        unit, depth, rate = self._motion(link, at, way)
+    def force_at(self, of: PointMotion) -> Vector:
+        unit, depth, rate = self._seen(of.place, of.velocity)
         push = self.push(depth, rate)
         return -push * unit[0], -push * unit[1]
 
-    def link_arrays(self, boundary: Boundary) -> dict[IndexedBase, Expr]:
-        here, law = Eq(i, self.point.link), self._push(i, i, self.point.share)
-        return {
-            base: Piecewise((f, here), (S.Zero, True))
-            for base, f in zip(self.force_arrays, law, strict=True)
-        }
-
-    def joint_laws(
-        self, at: Expr, before: Expr | None, after: Expr | None, chain: GenericChain
-    ) -> dict[Expr, Expr]:
-        law, point = [S.Zero, S.Zero], self.point
-        if not self._moving_parts(chain.boundary_condition):
-            return {}
-        for part, (joint, _) in zip(self._shares, point.parts, strict=True):
-            starts = joint == point.link
-            if (after if starts else before) is None:
-                continue
-            there = (at, at, point.share) if starts else (at - 1, at, point.share - 1)
-            law = [e + part[at] * f for e, f in zip(law, self._push(*there), strict=True)]
-        return {base[at]: e for base, e in zip(self.bases, law, strict=True)}
-
     def contact(self, chain: GenericChain) -> ContactState:
-        link = self.point.link
-        _, depth, rate = self._motion(link, link, self.point.share)
+        own = self.own_motion
+        _, depth, rate = self._seen(own.place, own.velocity)
         return ContactState(depth, self.push(depth, rate), self.opening(rate))
 
     @property
@@ -95,8 +50,8 @@ class Stop(Contact, PointForce):
         return self.push(depth, rate)
 
     def power(self, chain: GenericChain) -> Expr:
-        link = self.point.link
-        _, depth, rate = self._motion(link, link, self.point.share)
+        own = self.own_motion
+        _, depth, rate = self._seen(own.place, own.velocity)
         return self.damping_power(depth, rate)
 
     def energy(self, chain: GenericChain) -> Expr:

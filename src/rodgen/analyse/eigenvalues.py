@@ -19,6 +19,7 @@ from rodgen.analyse.pencil import (
 from rodgen.arrays import Array
 from rodgen.errors import AnalysisError
 
+NOTHING = 1e-30  # of the largest entry of every row: a column that is zero but for rounding
 ZERO = 3e-4  # of a slow rate: zero, of rigid motions in a row a fourth root of rounding
 FASTEST = 1e-16  # of the square of the longest period: that of what has no inertia but rounding
 MOST_SINGULAR = 1e12  # condition of a matrix that is regular
@@ -83,7 +84,7 @@ def is_regular(S: Array) -> bool:
     if not rows.all():
         return False
     columns = np.abs(S / rows).max(axis=0)
-    return bool(columns.all() and np.linalg.cond(S / rows / columns) < MOST_SINGULAR)
+    return bool(columns.min() > NOTHING and np.linalg.cond(S / rows / columns) < MOST_SINGULAR)
 
 
 def slow_rate(dense: DensePencil) -> float:

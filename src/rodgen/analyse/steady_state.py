@@ -15,7 +15,8 @@ from rodgen.analyse.pencil import BlockPencil, DensePencil, ImplicitBlocks, join
 from rodgen.analyse.steady_rod import STRAIGHT, SteadyRod, Unknowns
 from rodgen.arrays import Array
 from rodgen.errors import AnalysisError
-from rodgen.model.term import DRAG
+from rodgen.integrate.quantity_formulas import MotionSlice
+from rodgen.integrate.weights import falls_of
 from rodgen.model.terms import TERMS
 from rodgen.result import Note, doubt, remarks
 
@@ -252,7 +253,18 @@ class SteadyState:
             mass, ways = mass.copy(), ways[:, base:]
             mass[base:, base:] -= lean @ mass[:base, base:]
             slope[base:half] -= lean @ slope[:base]
+        if base and rod.speed and has_drag(rod) and ways is across:
+            # As the rod gets faster, what keeps its direction of flight gets faster across.
+            slope[:half, half : half + 2] -= self.speed_growth * mass[:, :2]
         return _project_forces(slope, mass, ways)
+
+    @property
+    def speed_growth(self) -> float:
+        """Growth of the speed by the loads, without what falls freely, over the speed [1/s]."""
+        here = MotionSlice(self.rod.model, self.p, self.y, np.asarray(self.rod.t))
+        falls = falls_of(here, self.rod.scene.structure.terms).values()
+        felt = self._common_acceleration - sum(falls, np.zeros(2))
+        return float(-felt @ (np.cos(self.phi[0]), np.sin(self.phi[0]))) / self.rod.speed
 
     def _slope(self, y: Array) -> Array:
         """Derivatives by the state of generalised forces and rates of added states, in the frame in
@@ -374,8 +386,8 @@ def _is_joint_at_rest(rod: SteadyRod, at: Unknowns, p: Array) -> bool:
 
 
 def has_drag(rod: SteadyRod) -> bool:
-    """Whether a load depends on the velocities of the joints."""
-    return any(TERMS[term].kind == DRAG for term in rod.scene.loads.terms)
+    """Whether a load depends on the velocities of joints or points."""
+    return any(TERMS[term].follows_velocity for term in rod.scene.loads.terms)
 
 
 def _light_pencil(state: SteadyState, smooth: bool) -> DensePencil:

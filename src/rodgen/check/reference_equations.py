@@ -21,7 +21,7 @@ from rodgen.derive.loads.joint_stop import JointStop
 from rodgen.derive.loads.kinds import JointMoment, Load, MassForce
 from rodgen.derive.loads.link_force import LinkForce
 from rodgen.derive.loads.point_force import PointForce
-from rodgen.derive.loads.stop import Stop
+from rodgen.derive.loads.point_law import PointLaw
 from rodgen.derive.loads.supports import LinkMotion, Supports
 from rodgen.derive.symbols import n
 from rodgen.model.rod import BOUNDARIES
@@ -115,7 +115,7 @@ class ReferenceEquations(ReferenceChain):
         return forces
 
     def _force(self, load: Any, motion: Any) -> tuple[Any, ...]:
-        if isinstance(load, JointDrag | Stop):
+        if isinstance(load, JointDrag | PointLaw):
             return load.force_by_hand(motion, self.value, mp)
         if isinstance(load, JointLaw):
             return (load.moment_by_hand(motion, self.value, mp),)
@@ -132,7 +132,7 @@ class ReferenceEquations(ReferenceChain):
         if isinstance(load, Supports):
             first = self.boundary.first_in_motion
             return {q: self._link_motion(load, q) for q in range(first, self.n)}
-        if isinstance(load, Stop):
+        if isinstance(load, PointLaw):
             link = int(load.point.link.subs(n, self.n))
             return {link: self._link_motion(load, link, self._share(load))}
         if isinstance(load, JointStop):
@@ -154,8 +154,8 @@ class ReferenceEquations(ReferenceChain):
         return out
 
     @staticmethod
-    def _share(load: Stop) -> Any:
-        """Share of its link before the point of a stop."""
+    def _share(load: PointLaw) -> Any:
+        """Share of its link before the point on which a load acts."""
         return mpf(load.point.share.p) / load.point.share.q
 
     def _bend_motions(self) -> dict[int, BendMotion]:

@@ -25,6 +25,7 @@ DRAG = "damping forces on joints"
 ANCHOR = "springs and dampers from joints to the ground"
 BASE = "motion of what holds the start"
 CONTACT = "what pushes while it is pressed"
+AIR = "force of the air on a point"
 
 
 def holds(rule: str, numbers: Any) -> Any:
@@ -62,7 +63,9 @@ class Parameter:
     ones that stand in its place where a scene has that; beside: the key of an optional one with
     which it is there; computed: that of a scene without its key follows from the rod; links_power:
     for one and the same rod it grows as this power of the number of links; by_mass: its effect is
-    in proportion to the mass of the links at the start of the span.
+    in proportion to the mass of the links at the start of the span; table: of the scene that has
+    its key, where that is not the term's own; by_height: the number of such a table at the place of
+    its load, where it follows the height there.
     """
 
     name: str
@@ -88,6 +91,22 @@ class Parameter:
     computed: bool = False
     links_power: int = 0
     by_mass: bool = False
+    table: str = ""
+    by_height: bool = False
+
+    @property
+    def is_shared(self) -> bool:
+        """Whether several loads have it as one and the same number."""
+        return bool(self.table) and not self.by_height
+
+    @property
+    def prefix(self) -> str:
+        """What the names of the numbers in its expression begin with: of what follows the height,
+        those of the table, which are the same at every place."""
+        if not self.by_height:
+            return self.name
+        axis = () if self.part is None else ("xy"[self.part],)
+        return "_".join((self.table, self.key, *axis))
 
     @property
     def key_path(self) -> tuple[str, ...]:
@@ -96,14 +115,13 @@ class Parameter:
 
     def is_there(self, keys: Collection[str]) -> bool:
         """Whether a module has it that has the optional parameters of these keys."""
-        if self.optional:
-            return self.option in keys
-        return not (self.unless and self.unless in keys)
+        asked = not self.optional or self.option in keys
+        return asked and not (self.unless and self.unless in keys)
 
     @property
     def option(self) -> str:
         """Key with which a module has it, of an optional one."""
-        return self.beside or self.key
+        return f"{self.key}{BY_HEIGHT}" if self.by_height else self.beside or self.key
 
     @property
     def is_signed(self) -> bool:
@@ -193,6 +211,11 @@ class Term:
         return self.placed or self.kind == CONTACT
 
     @property
+    def follows_velocity(self) -> bool:
+        """Whether it is a force by the velocities of joints and points."""
+        return self.kind in (DRAG, AIR)
+
+    @property
     def is_damping(self) -> bool:
         """Whether it takes energy wherever something moves."""
         return self.kind in (DAMPER, DRAG)
@@ -220,7 +243,7 @@ class Term:
     @property
     def scaling_parameters(self) -> tuple[Parameter, ...]:
         """Parameters that its force is in proportion to: its sizes, or the coefficients of drag."""
-        of_drag = self.kind == DRAG
+        of_drag = self.follows_velocity
         return tuple(p for p in self.parameters if p.scales or (of_drag and p.rule == NOT_NEGATIVE))
 
     def parameters_with(self, keys: str) -> tuple[Parameter, ...]:
@@ -234,8 +257,8 @@ class Term:
         those that have no initial value, and optional ones without a first value."""
         found: dict[str, Any] = {}
         for one in self.given or self.parameters:
-            unasked = (one.optional and one.first is None) or one.computed
-            if one.initial_value is None or one.each == JOINTS or unasked:
+            unasked = (one.optional or one.computed) and one.first is None
+            if one.table or one.initial_value is None or one.each == JOINTS or unasked:
                 continue
             if one.part is not None:
                 found.setdefault(one.key, []).append(one.initial_value)
@@ -254,6 +277,8 @@ class Term:
         )
 
     def _parameter_with_number(self, number: int, one: Parameter) -> Parameter:
+        if one.is_shared:
+            return one
         return replace(
             one,
             name=one.name.replace(self.name, f"{self.name}_{number}", 1),
@@ -272,6 +297,7 @@ class Term:
         return len(self.size_parameters) == 1 and not self.is_distributed
 
 
+BY_HEIGHT = "_by_height"  # behind the key of a number that follows the height of a load's place
 NUMBERED = re.compile(r"([a-z_]+?)_([2-9]|[1-9][0-9]{1,3})(?:_([a-z_]+))?")
 Row = TypeVar("Row")
 

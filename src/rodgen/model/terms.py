@@ -28,9 +28,11 @@ from rodgen.model.rod import (
     Boundary,
 )
 from rodgen.model.term import (
+    AIR,
     ANCHOR,
     AT_LEAST_ONE,
     BASE,
+    BY_HEIGHT,
     CONTACT,
     COUPLE,
     DAMPER,
@@ -69,6 +71,37 @@ def _law(name: str, unit: str, per_length: bool = False) -> tuple[Parameter, ...
             f"c: the push is k {power} max(0, 1 + c d') with the rate d' of its depth []; "
             "without it 0", rule=NOT_NEGATIVE, optional=True),
     )
+
+
+# What the air is: the table [air], shared by all that it pushes.
+AIR_ROWS = (
+    Parameter("air_density", "density", "density of the air", "ρ", "kg/m^3",
+        "density []: a number, an expression in t and in `y`, the height of the point that the air "
+        'pushes, or `"isa"`, that of the standard atmosphere',
+        rule=NOT_NEGATIVE, first=1.225, timed=True, table="air", unless=f"density{BY_HEIGHT}"),
+    *(Parameter(f"air_wind_{axis}", "wind", f"wind of the air, {axis}", "", "m/s",
+        f"velocity of the air along {axis} []: likewise; without it still", part=part, timed=True,
+        optional=True, table="air", unless=f"wind{BY_HEIGHT}") for part, axis in enumerate("xy")),
+    Parameter("air_stall_angle", "stall_angle", "stall angle", "α_s", "rad",
+        "a: the force across the rod grows as tanh(sin(α)/a) with the angle of attack α [], which "
+        "is an angle at which fins stall", rule=POSITIVE, default=0.2617993877991494, table="air"),
+)
+
+
+def _air(name: str, words: str, stalls: bool = True) -> tuple[Parameter, ...]:
+    """Parameters of the air around a load: those that all share, and its own by its height."""
+    own = (
+        replace(one, name=one.name.replace("air", name, 1), label=f"{one.label}, at the {words}",
+            by_height=True, optional=True, unless="", first=None)
+        for one in AIR_ROWS if one.timed)
+    return (*(one for one in AIR_ROWS if stalls or one.timed), *own)
+
+
+def _area(name: str) -> Parameter:
+    """Area to which the coefficients of a load refer."""
+    return Parameter(f"{name}_area", "area", "reference area", "A", "m^2",
+        "area A to which the coefficient refers []; without it that of a circle of `rod.diameter`",
+        rule=NOT_NEGATIVE, first=0.01, computed=True)
 
 
 # Terms: name, table, label, symbol, kind, words. Parameters: name, key, label, symbol, unit, words.
@@ -209,6 +242,28 @@ ROWS = (
             "rate_s, below which the moment falls to zero: a joint under a moment M creeps at "
             "rate_s atanh(M/m_f) []", rule=POSITIVE, first=0.001, decades=True),
     )),
+    Term("fins", "fins", "fins", "F_f", AIR, "force of the air across the rod on a set of fins",
+        colours=series_pair(3), placed=True, parameters=(
+        Parameter("fins_normal_slope", "normal_slope", "slope of normal force, fins", "C_Nα", "",
+            "C_Nα, slope of the coefficient of normal force over the angle of attack; or `geometry`",
+            first=8.0, computed=True),
+        _area("fins"), *_air("fins", "fins"),
+    )),
+    Term("nose", "nose", "nose", "F_n", AIR,
+        "force of the air across the rod on a nose, shoulder or boat tail",
+        colours=series_pair(5), placed=True, parameters=(
+        Parameter("nose_normal_slope", "normal_slope", "slope of normal force, nose", "C_Nα", "",
+            "C_Nα, likewise: of a slender nose 2 with the area of its base", default=2.0),
+        _area("nose"), *_air("nose", "nose"),
+    )),
+    Term("axial_drag", "axial_drag", "axial drag", "F_d", AIR,
+        "force of the air along the link at a point", colours=series_pair(6), placed=True,
+        parameters=(
+        Parameter("axial_drag_coefficient", "coefficient", "axial drag coefficient", "C_A", "",
+            "C_A: force along the link over half the density, the area and the square of the speed",
+            rule=NOT_NEGATIVE, first=0.5),
+        _area("axial_drag"), *_air("axial_drag", "point of axial drag", stalls=False),
+    )),
     Term("stop", "stops", "stop", "", CONTACT,
         "something that a point of the rod runs against", placed=True, array=True, parameters=(
         Parameter("stop_direction", "direction", "direction of the stop", "", "rad",
@@ -328,7 +383,7 @@ PARAMETERS: NumberedRows[Parameter] = NumberedRows(
 PLACES: dict[str, tuple[str, ...]] = {
     **{one.name: ("rod", one.key) for one in (*ROD, CLAMP_ANGLE)},
     **{
-        one.name: ("loads", term.table, *one.key_path)
+        one.name: (one.table, *one.key_path) if one.table else ("loads", term.table, *one.key_path)
         for term in ROWS
         if term.is_load
         for one in term.parameters

@@ -6,10 +6,12 @@ from collections.abc import Sequence
 from functools import cached_property
 from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Self
 
+import numpy as np
 from pydantic import Field, create_model, model_validator
 
 from rodgen.errors import InputError, Missing
 from rodgen.model.term import (
+    AIR,
     ANY,
     AT_LEAST_ONE,
     JOINTS,
@@ -21,6 +23,7 @@ from rodgen.model.term import (
     Term,
 )
 from rodgen.model.terms import TERMS
+from rodgen.scene.fin_set import SETS, FinSet
 from rodgen.scene.number_text import Expressed
 from rodgen.scene.plain_tables import get_at
 from rodgen.scene.rod_mesh import RodMesh
@@ -38,6 +41,44 @@ from rodgen.scene.tables import (
 )
 
 MOST_PLACED = 100  # loads of one kind
+
+
+class FinGeometry(Table):
+    """A set of equal fins on a body: chords of root and tip, span beyond the body, and how far the
+    leading edge of the tip lies behind that of the root [m]; their number; radius of the body."""
+
+    root: Expressed[Positive] = Field(description="chord where they join the body [m]")
+    tip: Expressed[NotNegative] = Field(description="chord at their tip [m]")
+    span: Expressed[Positive] = Field(description="from the body to the tip [m]")
+    sweep: Expressed[Finite] = Field(
+        description="from the leading edge of the root to that of the tip, along the body [m]"
+    )
+    number: int = Field(description="of fins: 3, 4 or 6")
+    body_radius: Expressed[Positive] = Field(description="of the body where they stand [m]")
+
+    @model_validator(mode="after")
+    def _check_number(self) -> Self:
+        if self.number not in SETS:
+            allowed = "one of " + ", ".join(map(str, SETS))
+            raise InputError("loads.fins.geometry.number", self.number, allowed)
+        return self
+
+    @property
+    def fin_set(self) -> FinSet:
+        """What the air does to them."""
+        return FinSet(
+            self.root, self.tip, self.span, self.sweep, self.number, self.body_radius
+        )
+
+
+GEOMETRIES: dict[str, dict[str, Any]] = {
+    "fins": {
+        "geometry": (
+            FinGeometry | None,
+            Field(None, description="of the fins, in place of `normal_slope` and `area`"),
+        )
+    }
+}
 
 
 class FinFactor(Table):
@@ -90,10 +131,15 @@ class TermTable(Table):
 
     term: ClassVar[Term]
 
+    @property
+    def own_rows(self) -> tuple[Parameter, ...]:
+        """Rows of its own keys."""
+        return tuple(one for one in self.term.parameters if not one.table)
+
     @model_validator(mode="after")
     def _leave_out(self) -> Self:
         """Leave out the keys in place of which another stands. Raises InputError for both."""
-        for one in self.term.parameters:
+        for one in self.own_rows:
             value, where = getattr(self, one.key), f"loads.{self.term.table}." * self.term.is_load
             if one.unless and getattr(self, one.unless) is not None:
                 if one.key in self.model_fields_set:
@@ -106,13 +152,16 @@ class TermTable(Table):
                 if value is None:
                     value, allowed = Missing(), f"given beside {one.beside}"
                 raise InputError(f"{where}{one.key}", value, allowed)
+        _check_geometry(self)
         return self
 
 
 def make_term_table(term: Term) -> type[Table]:
     """Make the class of a term's table, in this module so that scenes can be pickled."""
     name = term.table.title().replace("_", "")
-    fields: dict[str, Any] = {one.key: _make_field(one) for one in term.parameters}
+    rows = [one for one in term.parameters if not one.table]
+    fields: dict[str, Any] = {one.key: _make_field(one) for one in rows}
+    fields |= GEOMETRIES.get(term.name, {})
     if term.placed and term.is_load:
         fields["at"] = Expressed[Share], Field(1.0, exclude_if=lambda at: at == 1)
     elif term.placed:
@@ -165,23 +214,31 @@ class TermTables:
         for name, keys in self.table_keys.items():
             table = get_at(self, *keys)
             for one in TERMS[name].parameters:
-                if getattr(table, one.key) is not None or one.computed:
+                if not one.table and (getattr(table, one.key) is not None or one.computed):
                     found[one.name] = (*self.PATH, *keys, *one.key_path)
         return found
+
+    def place_of(self, name: str) -> float:
+        """The s of a load, 1 of one without a place."""
+        return float(getattr(get_at(self, *self.table_keys[name]), "at", 1.0))
 
     @property
     def parameters(self) -> tuple[str, ...]:
         """Names of the parameters of these terms."""
         return tuple(self.key_paths)
 
-    def terms_with_places(self, mesh: RodMesh) -> tuple[str, ...]:
+    def terms_with_places(self, mesh: RodMesh, shared: Sequence[str] = ()) -> tuple[str, ...]:
         """Names of the terms with their positions on the links, and the optional keys that they
-        have."""
+        have; shared: options of tables that several terms share."""
         found, given = [], self.key_paths
-        for name, keys in self.table_keys.items():
+        for name in self.table_keys:
             term = TERMS[name]
-            place = mesh.place_text(getattr(get_at(self, *keys), "at", 1.0))
-            options = [one.option for one in term.parameters if one.optional and one.name in given]
+            place = mesh.place_text(self.place_of(name))
+            options = [
+                one.option
+                for one in term.parameters
+                if one.optional and (one.option in shared if one.table else one.name in given)
+            ]
             place = "+".join(dict.fromkeys([place, *options] if place else options))
             found.append(f"{term.base_name}@{place}" if place else term.base_name)
         return tuple(found)
@@ -190,6 +247,14 @@ class TermTables:
         """Value of one of these parameters, as the scene has it; None of one that is computed."""
         keys = self.key_paths[name][len(self.PATH) :]
         return None if get_at(self, *keys[:-1]) is None else get_at(self, *keys)
+
+
+def _check_geometry(table: Table) -> None:
+    """Raise InputError for what stands beside a geometry that gives it."""
+    if getattr(table, "geometry", None) is not None:
+        for key in ("normal_slope", "area"):
+            if (value := getattr(table, key)) is not None:
+                raise InputError(f"loads.fins.{key}", value, "absent beside geometry")
 
 
 class LoadTables(TermTables, Table):
@@ -201,6 +266,23 @@ class LoadTables(TermTables, Table):
     if TYPE_CHECKING:  # a table for every term
 
         def __getattr__(self, name: str) -> Any: ...
+
+    @property
+    def air_places(self) -> dict[str, float]:
+        """The s of what the air pushes, by the name of the load."""
+        return {name: self.place_of(name) for name in self.terms if TERMS[name].kind == AIR}
+
+    def computed_value(self, name: str, diameter: float | None) -> float:
+        """Value of a parameter whose key a table does not have: of fins with a geometry from that,
+        of an area that of a circle. diameter: of the rod [m]. Raises InputError."""
+        *keys, key = self.key_paths[name][1:]
+        geometry = getattr(get_at(self, *keys), "geometry", None)
+        if geometry is not None:
+            return float(getattr(geometry.fin_set, key))
+        if key == "area" and diameter is not None:
+            return float(np.pi / 4 * diameter**2)
+        other = "rod.diameter" if key == "area" else "geometry"
+        raise InputError(".".join(self.key_paths[name]), Missing(), f"given, or {other}")
 
     @property
     def follower_loads(self) -> tuple[str, ...]:

@@ -17,6 +17,7 @@ from pydantic import (
 from rodgen.errors import InputError
 from rodgen.model.rod import Boundary
 from rodgen.model.terms import MOVING_BASE, boundary_of
+from rodgen.scene.air_table import Air, AirTable
 from rodgen.scene.base_table import BaseTable
 from rodgen.scene.contact_tables import ContactTables, JointStopTable, StopTable, WallTable
 from rodgen.scene.expression_text import Numbers
@@ -68,6 +69,7 @@ class SceneFields(Table):
     joint_stops: list[JointStopTable] = []
     walls: list[WallTable] = []
     base: BaseTable | None = None
+    air: AirTable | None = None
     loads: Loads = Loads()
     states: dict[str, StateTable] = Field({}, exclude_if=operator.not_)
     initial: InitialTable = InitialTable()
@@ -123,6 +125,11 @@ class SceneFields(Table):
     def contacts(self) -> ContactTables:
         """Stops and walls."""
         return ContactTables(self.stops, self.joint_stops, self.walls)
+
+    @cached_property
+    def _air(self) -> Air:
+        """The air at every point that it pushes."""
+        return Air(self.air, self.loads.air_places, self._numbers, tuple(self.states))
 
     @property
     def boundary_condition(self) -> Boundary:

@@ -26,8 +26,9 @@ class SceneLaws(SceneFields):
 
     @property
     def given_parameters(self) -> tuple[str, ...]:
-        """Names of the parameters of its loads, of its contacts and of its base."""
-        return (*self.loads.parameters, *self.contacts.parameters, *self._base_values)
+        """Names of the parameters of its loads, of its contacts, of the air and of its base."""
+        tables = self.loads.parameters, self.contacts.parameters, self._air.key_paths
+        return tuple(name for names in (*tables, self._base_values) for name in names)
 
     def given_value(self, name: str) -> Any:
         """Value of one of these parameters, as the scene has it; None of one that follows from
@@ -38,6 +39,8 @@ class SceneLaws(SceneFields):
         moved = self._base_values
         if name in moved:
             return moved[name]
+        if name in self._air.key_paths:
+            return self._air.value(name)
         tables = self.contacts if name in self.contacts.key_paths else self.loads
         return tables.value(name)
 
@@ -47,6 +50,8 @@ class SceneLaws(SceneFields):
 
         name: of the parameter.
         """
+        if name in self._air.key_paths:
+            return self._air.expression(name)
         value = self.given_value(name)
         if not isinstance(value, str):
             return None
@@ -61,8 +66,8 @@ class SceneLaws(SceneFields):
 
         name: of the parameter.
         """
-        paths = self.loads.key_paths.get(name), self.contacts.key_paths.get(name)
-        return paths[0] or paths[1] or PLACES[name]
+        every = self.loads.key_paths, self.contacts.key_paths, self._air.key_paths
+        return next((paths[name] for paths in every if name in paths), None) or PLACES[name]
 
     def key_of(self, name: str) -> str:
         """Dotted name in the scene of a parameter of the module.

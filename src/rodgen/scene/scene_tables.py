@@ -49,6 +49,7 @@ class SceneTables(SceneLaws):
             self._state_rate(name)
         if self.base is not None:
             self.base.check_boundary(self.rod.boundary_condition, self.rod.boundary)
+        self._air.check()
         for parameter in self.given_parameters:
             value, each = self.given_value(parameter), PARAMETERS[parameter].each
             count = self.rod.links + (each == JOINTS)
@@ -144,6 +145,8 @@ class SceneTables(SceneLaws):
         None for one that changes with time."""
         value, text = self.given_value(name), self.expression(name)
         if PARAMETERS[name].computed and value is None:
+            if name in self.loads.key_paths:
+                return self.loads.computed_value(name, self.rod.diameter)
             *keys, _, axis = self.contacts.key_paths[name]
             return self.anchors.fixed_point(get_at(self, *keys))[int(axis)]
         if PARAMETERS[name].by_mass and not self.distribution.total_link_mass:
@@ -167,11 +170,11 @@ class SceneTables(SceneLaws):
             values.update(found)
             return named
 
-        texts = tuple((name, parametrise(force, name)) for name, force in self.expressions.items())
+        texts = tuple((name, parametrise(e, PARAMETERS[name].prefix)) for name, e in self.expressions.items())
         rates = tuple(
             (name, parametrise(e, f"{name}_rate")) for name, e in self.state_rates.items()
         )
-        terms = self.loads.terms_with_places(self.mesh) + self.anchors.terms
+        terms = self.loads.terms_with_places(self.mesh, self._air.options) + self.anchors.terms
         terms += self.contacts.terms_with_places(self.mesh)
         terms += () if self.base is None else (f"{MOVING_BASE}@{'+'.join(self.base.keys)}",)
         what = rod.links, rod.boundary, rod.inertia, terms
@@ -223,7 +226,7 @@ class SceneTables(SceneLaws):
         values |= along.changing_mass_parameters
         values |= {name: self._load_value(name) for name in self.given_parameters}
         for name, text in self.expressions.items():
-            values |= text.with_parameters(name)[1]
+            values |= text.with_parameters(PARAMETERS[name].prefix)[1]
         values |= self.anchors.parameters
         if self.spring_law is not None:
             values |= self.spring_law.with_parameters(spring_law.NAME)[1]

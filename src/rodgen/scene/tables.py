@@ -179,6 +179,11 @@ class RodTable(Table):
         description="curvature where no load acts, to the left [1/m]: a number, an expression in "
         "s, or n + 1 values, one for every joint; without it straight",
     )
+    diameter: Expressed[Positive] | None = Field(
+        default=None,
+        description="diameter of its body [m]: of the reference area of what the air pushes, and "
+        "of calibers",
+    )
     inertia: str = Field(
         default="uniform",
         description="how the mass of a link lies: " + list_words(INERTIAS, describe=True),

@@ -98,6 +98,10 @@ def replace_names(node: ast.expr, texts: Mapping[str, str]) -> str:
         def visit_Name(self, name: ast.Name) -> ast.expr:
             return ast.parse(texts.get(name.id, name.id), mode="eval").body
 
+        def visit_Call(self, call: ast.Call) -> ast.expr:
+            call.args = [self.visit(argument) for argument in call.args]  # not what is called
+            return call
+
     return ast.unparse(Renamed().visit(copy.deepcopy(node)))
 
 

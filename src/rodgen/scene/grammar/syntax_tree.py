@@ -214,12 +214,13 @@ def written_parts(node: ast.AST) -> Iterator[tuple[ast.expr, bool]]:
 @lru_cache(maxsize=KEPT)
 def names_in(node: ast.AST) -> tuple[str, ...]:
     """Names of the variable, numbers and states, and sensors, in the order of the text."""
-    found = [inner for inner in ast.walk(node) if isinstance(inner, ast.Name) or sensor_of(inner)]
+    called = {inner.func for inner in ast.walk(node) if isinstance(inner, ast.Call)}
+    named = [of for of in ast.walk(node) if isinstance(of, ast.Name) and of not in called]
+    found = named + [inner for inner in ast.walk(node) if sensor_of(inner)]
     found += [name for name in _table_names(node) if isinstance(name, ast.Constant)]
     found.sort(key=lambda name: (getattr(name, "lineno", 0), getattr(name, "col_offset", 0)))
-    known = {*FUNCTIONS, *SENSORS, TABLE, "pi"}
     names = (of.text if (of := sensor_of(one)) else ast.unparse(one) for one in found)
-    return tuple(dict.fromkeys(name for name in names if name and name not in known))
+    return tuple(dict.fromkeys(name for name in names if name and name != "pi"))
 
 
 def _table_names(node: ast.AST) -> list[ast.expr]:
