@@ -7,6 +7,8 @@ from typing import Any
 from sympy import Expr, Float, S, sqrt, tanh
 
 from ..chain import Vector, direction
+from ..generic_chain import GenericChain
+from ..symbols import joint_vx, joint_vy, phi
 from .kinds import Value
 from .point_law import PointLaw, PointMotion
 
@@ -31,10 +33,26 @@ class AirForce(PointLaw):
         x, y = (v - w for v, w in zip(of.velocity, self._wind, strict=True))
         return (c, s), sqrt(x**2 + y**2 + LEAST), c * x + s * y, c * y - s * x
 
+    def flow(self, chain: GenericChain) -> dict[str, Expr]:
+        """Velocity of its point against the air, along the link and across it [m/s]; that may be
+        one that is held."""
+        link, boundary = self.point.link, chain.boundary_condition
+        is_held = link.is_Integer and link < boundary.first
+        angle = chain.base_motion.clamp_angle if is_held else phi[link]
+        moving = self._moving_parts(boundary)
+        x, y = (sum((x * of[at] for at, x in moving), S.Zero) for of in (joint_vx, joint_vy))
+        _, _, along, across = self.against_air(PointMotion((S.Zero, S.Zero), (x, y), angle))
+        return {"along": along, "across": across}
+
     @property
     def _half_mass(self) -> Expr:
         """Half of the density times the reference area [kg/m]."""
         return self.number("density") * self.number("area") / 2
+
+    def flow_by_hand(self, motion: Any, value: Value, functions: Any) -> tuple[Any, Any]:
+        """Velocity of a point against the air, along its link and across it, in numbers."""
+        _, speed, angle = self.against_air_by_hand(motion, value, functions)
+        return speed * functions.cos(angle), speed * functions.sin(angle)
 
     def against_air_by_hand(self, motion: Any, value: Value, functions: Any) -> tuple[Any, ...]:
         """Half of the density times the area, the speed of a point against the air, and the angle

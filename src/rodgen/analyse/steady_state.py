@@ -15,6 +15,7 @@ from rodgen.analyse.pencil import BlockPencil, DensePencil, ImplicitBlocks, join
 from rodgen.analyse.steady_rod import STRAIGHT, SteadyRod, Unknowns
 from rodgen.arrays import Array
 from rodgen.errors import AnalysisError
+from rodgen.integrate.air_doubts import mach_doubt
 from rodgen.integrate.quantity_formulas import MotionSlice
 from rodgen.integrate.weights import falls_of
 from rodgen.model.terms import TERMS
@@ -113,6 +114,12 @@ class SteadyState:
         rod = self.rod
         if not (has_drag(rod) and rod.scene.boundary_condition.translates):
             return ()
+        return (*self._velocity_notes, *mach_doubt(rod.scene, np.array(rod.speed), rod.system.y0[1:2]))
+
+    @property
+    def _velocity_notes(self) -> tuple[Note, ...]:
+        """Notes about the direction of the speed."""
+        rod = self.rod
         if self.has_kink and not (rod.speed or rod.across):
             text = (
                 "linearised about a rod at rest, where external damping brakes small motions "

@@ -264,6 +264,9 @@ def _compare(
             names = found.keys() & by_hand.keys()
             got = np.concatenate([np.ravel(found[name]) for name in names])
             yield "contacts", _vector_error(got, [c for name in names for c in by_hand[name]])
+        if by_hand := exact.air():
+            found = module.air(t, y, p)
+            yield "air", _vector_error([found[x] for x in by_hand], [*by_hand.values()])
         errors = []
         for link, share in ((0, 0.25), (module.N // 2, 0.0), (module.N - 1, 1.0)):
             force = values["mass"], -values["length"]  # any two numbers

@@ -13,6 +13,7 @@ from sympy import IndexedBase
 
 from rodgen.check.reference_chain import FUNCTIONS, ReferenceChain, add, dot, matrix_vector
 from rodgen.derive.closed_form import ClosedForm
+from rodgen.derive.loads.air_force import AirForce
 from rodgen.derive.loads.contact import Contact
 from rodgen.derive.loads.foundation import Foundation
 from rodgen.derive.loads.joint_drag import JointDrag, JointMotion
@@ -151,6 +152,16 @@ class ReferenceEquations(ReferenceChain):
                     ("depth", "push", "opening"), zip(*of, strict=True), strict=True
                 ):
                     out[f"{what}_{name}"] = list(found)
+        return out
+
+    def air(self) -> dict[str, Any]:
+        """Velocities against the air along the link and across it, by name."""
+        out = {}
+        for name, load in self.acting.items():
+            if isinstance(load, AirForce):
+                (motion,) = self._motions(load).values()
+                flow = load.flow_by_hand(motion, self.value, mp)
+                out |= {f"{of}_{name}": x for of, x in zip(("along", "across"), flow, strict=True)}
         return out
 
     @staticmethod

@@ -166,6 +166,7 @@ def _context(
         "added_rates": structure.open_rates,
         "signal_names": _signal_names(functions),
         "contact_names": functions.contacts,
+        "air_names": functions.air,
         "cubic": any(e.has_cubic for e in (*texts.values(), *laws)),
         "tables": any(e.has_table for e in (*laws, *moved)),
         "bends": any(e.has_table for e in moved),

@@ -11,6 +11,7 @@ from sympy import Add, Expr, Indexed, symbols
 from rodgen.derive.energies import Quantities
 from rodgen.derive.general import GeneralEquations
 from rodgen.derive.link_properties import INERTIAS
+from rodgen.derive.loads.air_force import AirForce
 from rodgen.derive.loads.contact import Contact
 from rodgen.derive.loads.kinds import GeneralisedForces, JointLoad
 from rodgen.derive.symbols import alpha, joint, joint_vx, joint_vy, joint_x, joint_y, s
@@ -132,6 +133,8 @@ class Functions(ChainFunctions):
             outputs["velocities"] = named_outputs(VELOCITIES, quantities.velocities)
         if self.contacts:
             outputs["contacts"] = self.contacts
+        if self.air:
+            outputs["air"] = self.air
         if self.laws.definitions:
             outputs["signals"] = scalar_outputs(self.laws.signal_expressions)
         return {name: self.compiler.compile(o, batch=True) for name, o in outputs.items()}
@@ -149,6 +152,13 @@ class Functions(ChainFunctions):
                     if e != 1:  # where nothing switches
                         out[f"{what}_{name}"] = along, e
         return out
+
+    @cached_property
+    def air(self) -> Outputs:
+        """Velocities of points against the air."""
+        loads = self.equations.loads.items()
+        flows = ((name, load.flow(self.equations)) for name, load in loads if isinstance(load, AirForce))
+        return scalar_outputs({f"{of}_{x}": e for x, flow in flows for of, e in flow.items()})
 
     def kinetics(self) -> dict[str, Program]:
         """Programs of momenta, the moment of the clamps, forces of supports, and curvatures, for

@@ -28,7 +28,7 @@ PARTS = {
     "power": ("power",),
     "quantities": (
         *("energy", "joints", "centre_of_gravity", "inertia"),
-        *("bending_moments", "forces", "generalised_force", "contacts"),
+        *("bending_moments", "forces", "generalised_force", "contacts", "air"),
         *("signals", "velocities"),
     ),
     "kinetics": (

@@ -16,7 +16,14 @@ from rodgen.arrays import Array
 from rodgen.errors import did_you_mean
 from rodgen.integrate.constraint_forces import forces_per_mass
 from rodgen.loading.generated_module import ModuleFunction, call_module, structure_of
-from rodgen.model.quantities import CONTACTS, FORCES, JOINT_CONTACTS, QUANTITIES, Quantity
+from rodgen.model.quantities import (
+    CONTACTS,
+    FORCES,
+    IN_AIR,
+    JOINT_CONTACTS,
+    QUANTITIES,
+    Quantity,
+)
 from rodgen.model.rod import CLAMP_ANGLE, Boundary
 from rodgen.model.terms import BASE_ANGLE, PARAMETERS, TERMS, describe
 from rodgen.scene.expression import Expression
@@ -115,6 +122,9 @@ class Motion:
             depths = (name for name in self.values("contacts") if name.startswith("depth_"))
             names = (name.removeprefix("depth_") for name in depths)
             return [x for x in names if TERMS[x].at_joints == (each == JOINT_CONTACTS)]
+        if each == IN_AIR:
+            speeds = (name for name in self.values("air") if name.startswith("airspeed_"))
+            return [name.removeprefix("airspeed_") for name in speeds]
         return self.values("forces") if each == FORCES else self.work
 
 
@@ -382,6 +392,27 @@ def _of_contact(motion: Motion, what: str, name: str) -> Array:
     return one
 
 
+def _air(motion: Motion) -> dict[str, Array]:
+    """Speeds against the air and angles of attack, by name."""
+    flow = _call_optional(motion, "air", motion.t) or {}
+    found = {}
+    for along in (name for name in flow if name.startswith("along_")):
+        load = along.removeprefix("along_")
+        ahead, left = -flow[along], flow[f"across_{load}"]
+        found[f"airspeed_{load}"] = np.hypot(ahead, left)
+        found[f"attack_{load}"] = np.arctan2(-left, ahead)
+    return found
+
+
+def _in_air(motion: Motion, what: str, name: str) -> Array:
+    """Speed or angle of attack of a point that the air pushes."""
+    every: dict[str, Array] = motion.values("air")
+    if (found := every.get(f"{what}_{name}")) is None:
+        hint = did_you_mean(f"{what}_{name}", every)
+        raise KeyError(f"{what}_{name} is no quantity{hint}")
+    return found
+
+
 FORMULAS: dict[str, Callable[[Motion], Any]] = {
     "t": lambda motion: motion.t,
     "phi": lambda motion: _of_all_links(motion, 0, _clamp_angle(motion)),
@@ -429,6 +460,7 @@ FORMULAS: dict[str, Callable[[Motion], Any]] = {
     "signals": _signals,  # by name
     "forces": _of_times_and_states("forces"),  # by term
     "contacts": lambda motion: _call_optional(motion, "contacts", motion.t) or {},  # by name
+    "air": _air,  # by name
     "power": _of_times_and_states("power"),  # by term
 }
 ONLY = {row.name: row.only for row in QUANTITIES}  # what a boundary must be
@@ -439,4 +471,6 @@ OF_A_LOAD: dict[str, Callable[[Motion, str], Array]] = {
     "force": lambda motion, term: motion.values("forces")[term],
     "depth": lambda motion, name: _of_contact(motion, "depth", name),
     "push": lambda motion, name: _of_contact(motion, "push", name),
+    "airspeed": lambda motion, name: _in_air(motion, "airspeed", name),
+    "attack": lambda motion, name: _in_air(motion, "attack", name),
 }

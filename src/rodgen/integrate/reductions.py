@@ -19,8 +19,10 @@ from numpy.typing import NDArray
 from rodgen.arrays import Array
 from rodgen.errors import InputError, did_you_mean
 from rodgen.integrate.quantity_formulas import Motion
-from rodgen.model.quantities import ADDED, LOADS, POWERS, QUANTITIES, WORKS, Index, numbers
+from rodgen.model.quantities import ADDED, IN_AIR, LOADS, POWERS, QUANTITIES, WORKS, Index, numbers
 from rodgen.model.rod import Boundary
+from rodgen.model.term import AIR
+from rodgen.model.terms import TERMS
 from rodgen.native.native_batch import NUMBER, WATCHED
 from rodgen.scene.contact_terms import ContactTerm
 
@@ -121,6 +123,7 @@ class Numbers:
         each = {WORKS: works, POWERS: works, LOADS: tuple(loads), ADDED: tuple(added)}
         places: dict[str, tuple[str, Index]] = {"total_work": ("total_work", ())}
         contacts = tuple(contacts)
+        each[IN_AIR] = tuple(name for name in works if name in TERMS and TERMS[name].kind == AIR)
         for one in contacts:
             each[one.kind] = (*each.get(one.kind, ()), *one.places)
         for quantity in QUANTITIES:

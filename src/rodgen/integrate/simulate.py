@@ -144,6 +144,7 @@ def simulate(
             if saver.stream is not None:
                 saver.stream.write_notes(notes)
             solution = _run(saver, progress, interrupt, notes)
+        warn_of(solution.air_notes)
         if error_growth:
             add_error_growth(solution)
     return solution
@@ -158,8 +159,9 @@ def _doubts(system: System, model: ModuleType) -> tuple[Note, ...]:
 
 def add_error_growth(solution: Solution) -> None:
     """Find how fast errors grow in a run, and warn where its late angles are not to be trusted."""
+    known = len(solution.notes)
     solution.errors = growth_of(solution)
-    warn_of(solution.notes[len(solution.run_notes) :])
+    warn_of(solution.notes[known:])
 
 
 def check_samples(system: System, to_file: bool) -> None:

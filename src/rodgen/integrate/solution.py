@@ -14,6 +14,7 @@ import numpy as np
 from rodgen.arrays import Array
 from rodgen.display import Plottable, result_drawing
 from rodgen.errors import InputError
+from rodgen.integrate.air_doubts import air_doubts
 from rodgen.integrate.dense_output import DenseOutput
 from rodgen.integrate.files import storage
 from rodgen.integrate.stepper import StepError
@@ -150,9 +151,14 @@ class Solution(Trajectory, Result, Plottable):
 
     @property
     def notes(self) -> tuple[Note, ...]:  # type: ignore[override]  # a field of other results
-        """Notes on the numbers: doubts before the first step and, if asked for, on the growth of
-        errors."""
-        return (*self.run_notes, *self._growth_notes)
+        """Notes on the numbers: doubts before the first step, on the air and, if asked for, on the
+        growth of errors."""
+        return (*self.run_notes, *self.air_notes, *self._growth_notes)
+
+    @cached_property
+    def air_notes(self) -> tuple[Note, ...]:
+        """Doubts about what the air does."""
+        return tuple(air_doubts(self.scene, self))
 
     def to_dict(self) -> dict[str, Any]:
         """Rows by name and notes, as plain data for JSON."""

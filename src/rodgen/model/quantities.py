@@ -18,6 +18,8 @@ FILE, DATASET, SHOWN = "file", "dataset", "shown"
 # What there is a quantity for each of.
 WORKS, POWERS, FORCES, LOADS, ADDED = "works", "powers", "forces", "loads", "added states"
 CONTACTS, JOINT_CONTACTS = "contacts", "contacts in joints"
+IN_AIR = "points that the air pushes"
+FLOW = "airspeed", "attack"  # before the name of a load
 OWN = "own"  # the kind of expressions that somebody types
 SUBSCRIPTS = str.maketrans("0123456789", "₀₁₂₃₄₅₆₇₈₉")
 Index = tuple[int, ...]
@@ -146,6 +148,11 @@ QUANTITIES = (
         {"depth_{}": "depth of {}"}, "joint_depth", SHOWN, JOINT_CONTACTS),
     Quantity("push_{}", "N m", "moment with which {} pushes", (), {"push_{}": "moment of {}"},
         "joint_push", SHOWN, JOINT_CONTACTS),
+    Quantity("airspeed_{}", "m/s", "speed against the air of the point of {}", (),
+        {"airspeed_{}": "airspeed of {}"}, kept=SHOWN, each=IN_AIR),
+    Quantity("attack_{}", "rad",
+        "angle of attack of {}, from the way of its link towards the nose to its velocity against "
+        "the air", (), {"attack_{}": "angle of attack of {}"}, kept=SHOWN, each=IN_AIR),
     Quantity("momentum", "N s", "momentum", AXIS,
         _point("momentum_", "the momentum"), "momentum", SHOWN),
     Quantity("angular_momentum", "N m s",
@@ -210,6 +217,8 @@ KINDS = dict(
         _kind("push", "push", "forces of contacts"),
         _kind("joint_depth", "depth", "depths of stops in joints"),
         _kind("joint_push", "moment", "moments of stops in joints"),
+        _kind("airspeed", "airspeed", "speeds against the air"),
+        _kind("attack", "angle of attack", "angles of attack"),
         _kind("joint_x", "x", "x of the joints"),
         _kind("joint_y", "y", "y of the joints"),
     )

@@ -6,8 +6,10 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import Any, Self
 
+import numpy as np
 from pydantic import Field, model_validator
 
+from rodgen.arrays import Array
 from rodgen.errors import InputError, Missing
 from rodgen.model.term import BY_HEIGHT, Parameter
 from rodgen.model.terms import AIR_ROWS, PARAMETERS, TERMS
@@ -16,7 +18,7 @@ from rodgen.scene.expression_text import Numbers
 from rodgen.scene.grammar import parse, replace_names
 from rodgen.scene.number_text import Expressed
 from rodgen.scene.plain_tables import get_at
-from rodgen.scene.standard_atmosphere import density_text
+from rodgen.scene.standard_atmosphere import density_text, speed_of_sound
 from rodgen.scene.tables import Finite, NotNegative, Positive, Table
 
 AIR, HEIGHT, STANDARD = "air", "y", "isa"
@@ -30,6 +32,9 @@ class AirTable(Table):
     height: Expressed[Finite] | None = Field(
         None, description=f'height of y = 0 above the sea [m], for `"{STANDARD}"`; without it 0'
     )
+    speed_of_sound: Expressed[Positive] | None = Field(
+        None, description="[m/s], for doubts; without it that of the standard atmosphere"
+    )
     wind: list[Finite | str] | None = Field(
         None,
         min_length=2,
@@ -40,6 +45,12 @@ class AirTable(Table):
     stall_angle: Expressed[Positive] = Field(
         STALL_ANGLE.default, description=f"{STALL_ANGLE.documentation}; without it 15 degrees"
     )
+
+    def sound_speed(self, y: Array) -> Array:
+        """Speed of sound at heights y of the scene [m/s]."""
+        if self.speed_of_sound is not None:
+            return np.full_like(y, self.speed_of_sound)
+        return speed_of_sound(y, float(self.height or 0.0))
 
     @model_validator(mode="after")
     def _check_height(self) -> Self:

@@ -34,7 +34,7 @@ TAKEN = {"t", "s", "d", "k", "p", "y", "np", "math", "fins", "N", "pi", TABLE, *
 MADE = re.compile(r"(.+?)_(?:knot_|value_|table_)?\d+")
 # Before the name of a load, its quantities; of contacts, theirs.
 OF_LOADS = (
-    *("work_", "power_", "force_"),
+    *("work_", "power_", "force_", "airspeed_", "attack_"),
     *(f"{what}_{term.name}" for what in ("depth", "push") for term in CONTACTS),
 )
 SENSORS = re.compile(r"(phi|omega|x|y|vx|vy|stop|joint_stop)(_?\d+)?")

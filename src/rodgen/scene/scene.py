@@ -36,7 +36,7 @@ PARTS = (
     "distribution_at expression expressions feedback_loads key_of n_fixed_links "
     "boundary_condition with_checked_settings with_method key_path state_rates "
     "has_no_tangent_stiffness spring_law time_dependent_loads unused_names with_settings "
-    "clamp_angle_at given_parameters given_value mesh contacts contact_numbers watched_events "
+    "clamp_angle_at given_parameters given_value mesh contacts term_numbers watched_events "
     "obstacles has_places_of_start"
 )
 

@@ -12,6 +12,7 @@ from pydantic import (
 )
 
 from rodgen.errors import InputError
+from rodgen.model.quantities import FLOW
 from rodgen.model.rod import CLAMP_ANGLE, MASS_WAYS, ROD
 from rodgen.model.term import JOINTS, LINKS
 from rodgen.model.terms import BASE_ROWS, MOVING_BASE, PARAMETERS
@@ -86,14 +87,15 @@ class SceneTables(SceneLaws):
     def _check_events(self) -> None:
         """Raise InputError for events that cannot be looked out for."""
         events = self.structure.contact_events if self.contacts.terms else ()
-        names = [*self.states, *self.contact_numbers]
+        names = [*self.states, *self.term_numbers]
         check_events(self.events, self.rod, names, (one.name for one in events))
 
     @property
-    def contact_numbers(self) -> list[str]:
-        """Names of the numbers of contacts."""
+    def term_numbers(self) -> list[str]:
+        """Names of the numbers of contacts, and of points that the air pushes."""
         found = self.structure.contacts if self.contacts.terms else ()
-        return [name for one in found for name in one.numbers]
+        flows = (f"{what}_{name}" for name in self.loads.air_places for what in FLOW)
+        return [*(name for one in found for name in one.numbers), *flows]
 
     @property
     def has_places_of_start(self) -> bool:

@@ -6,6 +6,10 @@ troposphere the temperature falls by 6.5 K over a kilometre, in the tropopause a
 
 from __future__ import annotations
 
+import numpy as np
+
+from rodgen.arrays import Array
+
 RADIUS = 6356766.0  # of the earth, by which heights become geopotential ones [m]
 GRAVITY, GAS = 9.80665, 287.05287  # [m/s^2], of dry air [J/(kg K)]
 TEMPERATURE, PRESSURE, LAPSE = 288.15, 101325.0, 0.0065  # at the sea [K], [Pa]; [K/m]
@@ -30,8 +34,9 @@ def density_text(height: float) -> str:
     return f"{below}*exp(min({TROPOPAUSE!r} - {h}, 0)/{scale!r})"
 
 
-def temperature(y: float, height: float) -> float:
-    """Temperature at a place y of a scene [K]; height: of y = 0 above the sea [m]."""
+def speed_of_sound(y: Array, height: float) -> Array:
+    """Speed of sound at places y of a scene [m/s]; height: of y = 0 above the sea [m]."""
     above = y + height
     h = RADIUS * above / (RADIUS + above)
-    return TEMPERATURE - LAPSE * min(h, TROPOPAUSE)
+    temperature = TEMPERATURE - LAPSE * np.minimum(h, TROPOPAUSE)
+    return np.asarray(np.sqrt(RATIO * GAS * temperature))

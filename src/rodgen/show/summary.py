@@ -33,7 +33,7 @@ def summary(solution: Solution, without_c: str = "") -> str:
         lines += [*_motion(solution), *_energy(solution)]
     if solution.errors is not None:
         lines.append(_errors(solution, solution.errors))
-    lines += (f"Doubt: {note}." for note in solution.run_notes if note.kind == DOUBT)
+    lines += (f"Doubt: {note}." for note in solution.notes if note.kind == DOUBT)
     return "\n".join(lines) + "\n"
 
 

@@ -140,7 +140,7 @@ def _parse_section(
     where, most = named.pop("where", ""), named.pop("max_points", str(MOST_POINTS))
     known = [
         *watchable_names(scene.boundary_condition, scene.rod.links),
-        *((name, range(1)) for name in (*scene.states, *scene.contact_numbers)),
+        *((name, range(1)) for name in (*scene.states, *scene.term_numbers)),
     ]
     if not any(parse_number(where, name) in range_ for name, range_ in known):
         shown = ", ".join(name for name, _ in known)

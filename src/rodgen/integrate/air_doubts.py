@@ -1,0 +1,58 @@
+"""Doubts about a rod in the air, beyond what its forces know."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from rodgen.arrays import Array
+from rodgen.integrate.quantity_formulas import Motion
+from rodgen.model.terms import describe
+from rodgen.result import Note, doubt
+from rodgen.scene import Scene
+from rodgen.scene.air_table import STANDARD
+from rodgen.scene.standard_atmosphere import HIGHEST
+
+FAST = 0.8  # Mach number from which the air is compressed by more than its forces know
+SLOW = 0.1  # of the largest airspeed: slower, the air pushes too little to be looked at
+
+
+def air_doubts(scene: Scene, motion: Motion) -> Iterator[Note]:
+    """Yield the doubts about the states of a motion: about the speed of sound, and angles at which
+    the flow stalls."""
+    table, places = scene.air, scene.loads.air_places
+    if table is None or not places or not motion.t.size:
+        return
+    speeds = {name: motion.values(f"airspeed_{name}") for name in places}
+    heights = motion.values("joints")[..., 0, 1]
+    above = float(heights.max()) + (table.height or 0.0)
+    if table.density == STANDARD and above > HIGHEST:
+        text = f"it rises to {above:.6g} m above the sea, and the standard atmosphere here reaches "
+        yield doubt(f"{text}{HIGHEST:g} m: its density is a guess beyond", height=above)
+    yield from mach_doubt(scene, np.max([*speeds.values()], axis=0), heights)
+    beyond = {
+        name: float(np.abs(attack[speeds[name] >= SLOW * speeds[name].max()]).max())
+        for name in places
+        if name in scene.structure.loads and not name.startswith("axial_drag")
+        for attack in [motion.values(f"attack_{name}")]
+        if speeds[name].max() > 0
+    }
+    most = max(beyond, key=lambda name: beyond[name], default="")
+    if most and beyond[most] > table.stall_angle:
+        largest, stall = np.degrees((beyond[most], table.stall_angle))
+        text = f"angles of attack of up to {largest:.3g} degrees, at the {describe(most)}, beyond the "
+        text += f"stall angle of {stall:.3g} degrees: forces are a guess there"
+        yield doubt(text, degrees=float(largest), stall=float(stall))
+
+
+def mach_doubt(scene: Scene, speeds: Array, heights: Array) -> Iterator[Note]:
+    """Yield the doubt about speeds against the air [m/s], at heights y [m], at which the air is
+    compressed."""
+    if scene.air is None or not scene.loads.air_places:
+        return
+    mach = float(np.max(np.abs(speeds) / scene.air.sound_speed(heights)))
+    if mach > FAST:
+        text = f"the rod flies at up to Mach {mach:.3g}: beyond {FAST:g} the air is compressed, which "
+        text += "its forces leave out"
+        yield doubt(text, mach=mach)
