@@ -20,6 +20,7 @@ import pytest
 from hypothesis import settings
 from threadpoolctl import threadpool_limits
 
+from rodgen.model.term import AIR
 from rodgen.model.terms import TERMS
 from rodgen.native.library import FLAGS
 from rodgen.scene import Scene
@@ -120,9 +121,15 @@ LOADS: dict[str, Any] = {
     "drag": {"normal": 0.5, "tangential": 0.1, "wind": [2.0, "sin(t)"]},
     "viscous_drag": {"normal": 0.4, "tangential": 0.2, "wind": [1.0, "cos(t)"]},
     "moment": {"moment": 5.0},
+    "fins": {"normal_slope": 6.0, "area": 0.02},
+    "nose": {"area": 0.02},
+    "axial_drag": {"coefficient": 0.4, "area": 0.02},
     "joint_friction": {"moment_per_joint": 0.2, "rate": 0.3},
     "supports": [{"at": 1.0, "stiffness": [3.0, 1.0], "damping": [0.2, 0.1], "rotation": 0.5}],
 }
+
+
+AIR_OF_SCENES: dict[str, Any] = {"density": 1.3, "wind": [1.5, "0.5*sin(2*t)"]}
 
 
 @pytest.fixture
@@ -157,6 +164,7 @@ def make_scene() -> Callable[..., Scene]:
                 for term in terms
                 if not TERMS[term].is_load
             },
+            **({"air": AIR_OF_SCENES} if any(TERMS[x].kind == AIR for x in terms) else {}),
             "initial": {"phi": "0.4*cos(pi*s)", "omega": "0.5*s", **(initial or {})},
             "integrate": {"span": [0.0, 1.0], "rtol": 1e-10, "atol": 1e-12, **integrate},
         }

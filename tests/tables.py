@@ -16,6 +16,7 @@ from rodgen.model.term import LINKS, Parameter
 from rodgen.model.terms import CONTACTS, TERMS
 from rodgen.result import Row
 from rodgen.scene import Scene
+from rodgen.scene.load_tables import GEOMETRIES
 from rodgen.scene.tables import Table
 from rodgen.studies.analysis_results import ANALYSES, rows_of
 from rodgen.studies.axis import Range, Sample
@@ -120,7 +121,8 @@ def _loads() -> Iterator[str]:
     for term in (one for one in TERMS.values() if one.is_load):
         several = f", or several of them, [[loads.{term.table}]]" if term.placed else ""
         yield _row(f"**[loads.{term.table}]**", term.description + several, "")
-        yield from map(_key, term.parameters)
+        yield from (_key(one) for one in term.parameters if not one.table)
+        yield from (_field(key, one) for key, (_, one) in GEOMETRIES.get(term.name, {}).items())
         if term.placed:
             yield _row(
                 "`at`", "s of the point where it acts, from 0 (nose or root) to 1 (tail)", "1"
@@ -190,7 +192,7 @@ def tables() -> dict[str, dict[str, Iterator[str]]]:
     return {
         "scenes.md": {
             "scene": _first(),
-            "rod": _tables("rod", "bodies", "supports", "foundation", "base"),
+            "rod": _tables("rod", "bodies", "supports", "foundation", "base", "air"),
             "contacts": _contacts(),
             "loads": _loads(),
             "run": _tables("states", "initial", "events", "integrate"),

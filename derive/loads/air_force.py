@@ -47,7 +47,9 @@ class AirForce(PointLaw):
     @property
     def _half_mass(self) -> Expr:
         """Half of the density times the reference area [kg/m]."""
-        return self.number("density") * self.number("area") / 2
+        density, area = self.number("density"), self.number("area")
+        assert density is not None
+        return density * area / 2
 
     def flow_by_hand(self, motion: Any, value: Value, functions: Any) -> tuple[Any, Any]:
         """Velocity of a point against the air, along its link and across it, in numbers."""

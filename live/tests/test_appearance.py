@@ -17,7 +17,7 @@ import pytest
 from live.tests.conftest import PHONE, SCENES, WIDE, make
 from live.tests.view import View, expect, until
 from rodgen.model.palette import DARK, LIGHT, colours_of, series_pair
-from rodgen.model.term import ANCHOR, BASE, CONTACT, DAMPER
+from rodgen.model.term import AIR, ANCHOR, BASE, CONTACT, DAMPER
 from rodgen.model.terms import ROWS
 from rodgen.scene import Scene
 from rodgen.show.precision_pictures import OURS, own_style
@@ -237,8 +237,9 @@ def test_colours_can_be_seen_and_told_apart(palette: Any) -> None:
 
 def test_loads_methods_and_grounds_have_colours_of_their_own() -> None:
     """Arrows are of the series, so what holds of that holds of them; dampings and what holds a rod
-    have none."""
-    drawn = [term.colours for term in ROWS if term.kind not in (DAMPER, ANCHOR, BASE, CONTACT)]
+    have none, and what the air does has that of drag."""
+    others = DAMPER, ANCHOR, BASE, CONTACT, AIR
+    drawn = [term.colours for term in ROWS if term.kind not in others]
     assert len(set(drawn)) == len(drawn)
     assert set(drawn) <= {series_pair(number) for number in range(1, 9)}
     assert len({own_style(method) for method in OURS}) == len(OURS)

@@ -58,4 +58,4 @@ def test_air_at_rest_gives_no_force_and_no_warning(built: Built) -> None:
         assert not module.rhs(0.0, y, p).any()
         slope = module.jac(0.0, y, p)
     assert np.isfinite(slope).all()
-    assert not slope[5:, 5:].any()
+    assert np.abs(slope[5:, 5:]).max() < 1e-40

@@ -15,6 +15,7 @@ from tests.sets import Make, sets
 EVERY = pytest.mark.parametrize("inertia", sets(["lumped"], slow=["uniform"]))
 # Loads that may give energy; drag by its wind.
 DRIVING = {"follower", "tip_load", "distributed_follower", "drag", "viscous_drag"}
+DRIVING |= {"fins", "nose", "axial_drag"}  # in a wind, as drag is
 
 
 @EVERY

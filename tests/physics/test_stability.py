@@ -40,6 +40,10 @@ VALUES = {
     "viscous_drag_normal": 0.3,
     "joint_friction_moment": 0.4,
     "joint_friction_rate": 0.5,
+    "air_density": 1.2,
+    "fins_normal_slope": 6.0,
+    "axial_drag_coefficient": 0.5,
+    **dict.fromkeys(("fins_area", "nose_area", "axial_drag_area"), 0.02),
 }
 
 

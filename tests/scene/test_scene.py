@@ -144,12 +144,12 @@ def test_a_scene_and_a_module_allow_the_same_values(make_scene: Callable[..., Sc
     given = make_scene(5, "clamped", loads).to_dict() | {"base": {"x": 0.0}}
     for (name, (table, *keys)), value in product(PLACES.items(), (-1.0, 0.0, 1e-9, 1.0)):
         parameter, scene = PARAMETERS[name], copy.deepcopy(given)
-        inner = scene[table] if len(keys) == 1 else scene[table][keys[0]]
+        inner = scene[table][keys[0]] if table == "loads" else scene[table]
         if parameter.part is None:
             inner[parameter.key] = [value] * 6 if parameter.each == JOINTS else value
         else:
             inner.setdefault(parameter.key, [0.0, 0.0])[parameter.part] = value
-        for other in (one for one in PARAMETERS.values() if one.unless and parameter.optional):
+        for other in (one for one in PARAMETERS.values() if one.unless == parameter.key):
             inner.pop(other.key, None)  # the one stands in place of the other
         allowed = value > 0 if parameter.rule == POSITIVE else value >= 0
         if allowed or parameter.is_signed:

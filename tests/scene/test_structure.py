@@ -20,11 +20,13 @@ DIFFERING = {one.name for way in NONUNIFORM.values() for one in way.parameters} 
 def test_every_parameter_has_its_place_in_p_and_in_a_scene() -> None:
     key = {"distributed_follower": "@angle", "gravity": "@acceleration"}
     key |= {"foundation": "@through", "base": "@x+y+angle", "joint_friction": "@moment_per_length"}
+    key |= dict.fromkeys(("fins", "nose", "axial_drag"), "@wind")
     everything = Structure(
         3, "clamped", terms=tuple(f"{x}{key.get(x, '')}" for x in (*ALL, "base"))
     )
     replaced = {"gravity", "joint_friction_moment"}
     others = DIFFERING | replaced | {one.name for term in CONTACTS for one in term.parameters}
+    others |= {name for name, one in PARAMETERS.items() if one.by_height}
     assert (
         everything.parameters
         == tuple(name for name in PARAMETERS if name not in others)
@@ -39,6 +41,9 @@ def test_every_parameter_has_its_place_in_p_and_in_a_scene() -> None:
             *("viscous_drag_wind_x", "viscous_drag_wind_y", "moment_size"),
             *("base_x", "base_y", "base_angle"),
             *("joint_friction_per_length", "joint_friction_rate"),
+            *("fins_normal_slope", "fins_area"),
+            *("air_density", "air_wind_x", "air_wind_y", "air_stall_angle"),
+            *("nose_normal_slope", "nose_area", "axial_drag_coefficient", "axial_drag_area"),
             *("fin_factor", "distributed_follower", "foundation_stiffness", "foundation_damping"),
             *(one.name for one in TERMS["supports"].parameters if one.is_array),
         )

@@ -16,6 +16,7 @@ from rodgen.derive.general import GeneralEquations
 from rodgen.derive.generic_chain import AtSprings, GenericChain
 from rodgen.derive.link_properties import INERTIAS
 from rodgen.derive.loads import LOADS, TERMS
+from rodgen.derive.loads.air_force import AirForce
 from rodgen.derive.loads.base import Base
 from rodgen.derive.loads.contact import Contact
 from rodgen.derive.loads.distributed_follower import DistributedFollower
@@ -292,6 +293,7 @@ def test_scene_and_derivation_offer_the_same() -> None:
         terms.DAMPER: (JointMoment, JointLaw),
         terms.CONTACT: Contact,
         terms.DRAG: JointDrag,
+        terms.AIR: AirForce,
         terms.ANCHOR: (Foundation, Supports),
         terms.SPREAD: LinkForce,
         terms.BASE: Base,

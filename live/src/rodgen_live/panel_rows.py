@@ -196,7 +196,9 @@ def _rod(now: RunStatus) -> Iterator[TextRow]:
 
 def _loads(now: RunStatus) -> Iterator[TextRow]:
     scene = now.scene
-    for name in (*scene.loads.parameters, *scene.structure.base_parameters):
+    rows = (row for row in scene.structure.load_rows.values() if row.is_load)
+    loads = dict.fromkeys(one.name for row in rows for one in row.parameters)
+    for name in (*loads, *scene.structure.base_parameters):
         one = PARAMETERS[name]
         if not one.is_array:
             yield _parameter(now, name, ", at present" if name in scene.expressions else "")

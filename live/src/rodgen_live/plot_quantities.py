@@ -17,6 +17,7 @@ from rodgen.integrate.reductions import patterns_of
 from rodgen.loading.generated_module import call_module
 from rodgen.model.quantities import (
     ADDED,
+    IN_AIR,
     KINDS,
     LOADS,
     OWN,
@@ -179,6 +180,7 @@ def _scalars(scene: Scene, works: tuple[str, ...]) -> Iterator[tuple[PlotQuantit
         POWERS: {term: describe(term) for term in works},
         LOADS: {one.name: one.label for one in loads if one.timed and one.unit == "N"},
         ADDED: {name: name for name in scene.states},
+        IN_AIR: {name: describe(name) for name in scene.loads.air_places},
         **{one.kind: {} for one in scene.structure.contacts},
         "": {"": ""},
     }

@@ -29,7 +29,7 @@ from rodgen.errors import AnalysisError
 from rodgen.integrate.contact_press import press_contacts
 from rodgen.integrate.quantity_formulas import MotionSlice
 from rodgen.integrate.weights import falls_of
-from rodgen.model.term import COUPLE, DRAG, FORCE, Term
+from rodgen.model.term import COUPLE, FORCE, Term
 from rodgen.model.terms import TERMS
 
 MOST_BENT = 1.0  # rad of an imperfection
@@ -120,7 +120,7 @@ def _is_hanging(rod: SteadyRod, p: Array) -> bool:
 def _has_no_lowest_state(term: Term) -> bool:
     """Whether a load has no state of least energy that a rod could hang in: it turns with the rod,
     is drag, or turns a link on and on."""
-    return term.follows or term.kind in (DRAG, COUPLE)
+    return term.follows or term.follows_velocity or term.kind == COUPLE
 
 
 def _hang_and_load(rod: SteadyRod, p: Array) -> tuple[Iterate, tuple[float, ...]]:

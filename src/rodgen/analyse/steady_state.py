@@ -114,7 +114,10 @@ class SteadyState:
         rod = self.rod
         if not (has_drag(rod) and rod.scene.boundary_condition.translates):
             return ()
-        return (*self._velocity_notes, *mach_doubt(rod.scene, np.array(rod.speed), rod.system.y0[1:2]))
+        return (
+            *self._velocity_notes,
+            *mach_doubt(rod.scene, np.array(rod.speed), rod.system.y0[1:2]),
+        )
 
     @property
     def _velocity_notes(self) -> tuple[Note, ...]:
@@ -261,8 +264,9 @@ class SteadyState:
             mass[base:, base:] -= lean @ mass[:base, base:]
             slope[base:half] -= lean @ slope[:base]
         if base and rod.speed and has_drag(rod) and ways is across:
-            # As the rod gets faster, what keeps its direction of flight gets faster across.
-            slope[:half, half : half + 2] -= self.speed_growth * mass[:, :2]
+            # Of a rod that gets faster in its direction of flight, the centre does across, too.
+            moved = mass[:, :2] @ mass[:2] / mass[0, 0]
+            slope[:half, half : 2 * half] -= self.speed_growth * moved
         return _project_forces(slope, mass, ways)
 
     @property

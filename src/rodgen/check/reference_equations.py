@@ -156,7 +156,7 @@ class ReferenceEquations(ReferenceChain):
 
     def air(self) -> dict[str, Any]:
         """Velocities against the air along the link and across it, by name."""
-        out = {}
+        out: dict[str, Any] = {}
         for name, load in self.acting.items():
             if isinstance(load, AirForce):
                 (motion,) = self._motions(load).values()

@@ -157,7 +157,9 @@ class Functions(ChainFunctions):
     def air(self) -> Outputs:
         """Velocities of points against the air."""
         loads = self.equations.loads.items()
-        flows = ((name, load.flow(self.equations)) for name, load in loads if isinstance(load, AirForce))
+        flows = (
+            (name, load.flow(self.equations)) for name, load in loads if isinstance(load, AirForce)
+        )
         return scalar_outputs({f"{of}_{x}": e for x, flow in flows for of, e in flow.items()})
 
     def kinetics(self) -> dict[str, Program]:

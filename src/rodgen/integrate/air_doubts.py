@@ -41,7 +41,9 @@ def air_doubts(scene: Scene, motion: Motion) -> Iterator[Note]:
     most = max(beyond, key=lambda name: beyond[name], default="")
     if most and beyond[most] > table.stall_angle:
         largest, stall = np.degrees((beyond[most], table.stall_angle))
-        text = f"angles of attack of up to {largest:.3g} degrees, at the {describe(most)}, beyond the "
+        text = (
+            f"angles of attack of up to {largest:.3g} degrees, at the {describe(most)}, beyond the "
+        )
         text += f"stall angle of {stall:.3g} degrees: forces are a guess there"
         yield doubt(text, degrees=float(largest), stall=float(stall))
 
@@ -53,6 +55,8 @@ def mach_doubt(scene: Scene, speeds: Array, heights: Array) -> Iterator[Note]:
         return
     mach = float(np.max(np.abs(speeds) / scene.air.sound_speed(heights)))
     if mach > FAST:
-        text = f"the rod flies at up to Mach {mach:.3g}: beyond {FAST:g} the air is compressed, which "
+        text = (
+            f"the rod flies at up to Mach {mach:.3g}: beyond {FAST:g} the air is compressed, which "
+        )
         text += "its forces leave out"
         yield doubt(text, mach=mach)

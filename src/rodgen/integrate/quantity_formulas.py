@@ -264,15 +264,14 @@ def _joint_forces(motion: Motion) -> Array:
     return found
 
 
-def _call_optional(motion: Motion, function: str, *times: Array) -> Array | None:
+def _call_optional(motion: Motion, function: str, *times: Array) -> Any:
     """Call a function of the module on the states; None where the module of the rod has none."""
     try:
-        found: Array = motion.evaluate(function, *times, motion.y)
+        return motion.evaluate(function, *times, motion.y)
     except AttributeError as error:
         if error.name != function:
             raise
         return None
-    return found
 
 
 def _section_forces(motion: Motion) -> Array:
@@ -394,7 +393,7 @@ def _of_contact(motion: Motion, what: str, name: str) -> Array:
 
 def _air(motion: Motion) -> dict[str, Array]:
     """Speeds against the air and angles of attack, by name."""
-    flow = _call_optional(motion, "air", motion.t) or {}
+    flow: Mapping[str, Array] = _call_optional(motion, "air", motion.t) or {}
     found = {}
     for along in (name for name in flow if name.startswith("along_")):
         load = along.removeprefix("along_")

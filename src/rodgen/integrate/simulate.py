@@ -144,7 +144,7 @@ def simulate(
             if saver.stream is not None:
                 saver.stream.write_notes(notes)
             solution = _run(saver, progress, interrupt, notes)
-        warn_of(solution.air_notes)
+        warn_of(solution.notes[len(notes) :])
         if error_growth:
             add_error_growth(solution)
     return solution

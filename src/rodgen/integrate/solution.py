@@ -153,10 +153,10 @@ class Solution(Trajectory, Result, Plottable):
     def notes(self) -> tuple[Note, ...]:  # type: ignore[override]  # a field of other results
         """Notes on the numbers: doubts before the first step, on the air and, if asked for, on the
         growth of errors."""
-        return (*self.run_notes, *self.air_notes, *self._growth_notes)
+        return (*self.run_notes, *self._air_notes, *self._growth_notes)
 
     @cached_property
-    def air_notes(self) -> tuple[Note, ...]:
+    def _air_notes(self) -> tuple[Note, ...]:
         """Doubts about what the air does."""
         return tuple(air_doubts(self.scene, self))
 

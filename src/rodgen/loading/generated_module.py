@@ -30,7 +30,15 @@ CONTRACT = (
 
 
 # Names that not every structure and target has: offered once they are there.
-SOME_HAVE = {"VARIATIONS", "air", "contacts", "signals", "start_loads", "support_forces", "velocities"}
+SOME_HAVE = {
+    "VARIATIONS",
+    "air",
+    "contacts",
+    "signals",
+    "start_loads",
+    "support_forces",
+    "velocities",
+}
 
 
 class Model(ModuleType):

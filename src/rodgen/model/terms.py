@@ -243,15 +243,16 @@ ROWS = (
             "rate_s atanh(M/m_f) []", rule=POSITIVE, first=0.001, decades=True),
     )),
     Term("fins", "fins", "fins", "F_f", AIR, "force of the air across the rod on a set of fins",
-        colours=series_pair(3), placed=True, parameters=(
+        colours=series_pair(6), placed=True, parameters=(
         Parameter("fins_normal_slope", "normal_slope", "slope of normal force, fins", "C_Nα", "",
-            "C_Nα, slope of the coefficient of normal force over the angle of attack; or `geometry`",
+            "C_Nα, slope of the coefficient of normal force over the angle of attack; or "
+            "`geometry`",
             first=8.0, computed=True),
         _area("fins"), *_air("fins", "fins"),
     )),
     Term("nose", "nose", "nose", "F_n", AIR,
         "force of the air across the rod on a nose, shoulder or boat tail",
-        colours=series_pair(5), placed=True, parameters=(
+        colours=series_pair(6), placed=True, parameters=(
         Parameter("nose_normal_slope", "normal_slope", "slope of normal force, nose", "C_Nα", "",
             "C_Nα, likewise: of a slender nose 2 with the area of its base", default=2.0),
         _area("nose"), *_air("nose", "nose"),
@@ -387,6 +388,7 @@ PLACES: dict[str, tuple[str, ...]] = {
         for term in ROWS
         if term.is_load
         for one in term.parameters
+        if not one.by_height
     },
     **{one.name: ("base", one.key) for one in BASE_ROWS},
 }

@@ -43,7 +43,8 @@ class AirTable(Table):
         "without it still",
     )
     stall_angle: Expressed[Positive] = Field(
-        STALL_ANGLE.default, description=f"{STALL_ANGLE.documentation}; without it 15 degrees"
+        STALL_ANGLE.default or 0.0,
+        description=f"{STALL_ANGLE.documentation}; without it 15 degrees",
     )
 
     def sound_speed(self, y: Array) -> Array:
@@ -60,7 +61,7 @@ class AirTable(Table):
 
 
 @dataclass(frozen=True)
-class Air:
+class Airflow:
     """The air at every point that it pushes.
 
     table: None where a scene has none; places: s of the points, by the names of their loads;

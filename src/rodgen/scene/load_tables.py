@@ -66,9 +66,7 @@ class FinGeometry(Table):
     @property
     def fin_set(self) -> FinSet:
         """What the air does to them."""
-        return FinSet(
-            self.root, self.tip, self.span, self.sweep, self.number, self.body_radius
-        )
+        return FinSet(self.root, self.tip, self.span, self.sweep, self.number, self.body_radius)
 
 
 GEOMETRIES: dict[str, dict[str, Any]] = {

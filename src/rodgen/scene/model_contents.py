@@ -160,6 +160,7 @@ def _term_part(scene: Scene, term: Term) -> ModelPart:
         numbers = scene.base.values.items()
         functions += [f"{PARAMETERS[of].key} is {x!r}" for of, x in numbers if of not in laws]
     words = (*_describe_place(scene, term), *functions, *_describe_joint_friction(scene, term))
+    words += _describe_fins(scene, term)
     return ModelPart(name, True, "; ".join(words) or table)
 
 
@@ -211,6 +212,17 @@ def _describe_joint_friction(scene: Scene, term: Term) -> list[str]:
         return []
     rate = scene.parameters["joint_friction_rate"] * atanh(HALF)
     return [f"a joint under half of the moment that bends it creeps at {rate:.6g} rad/s"]
+
+
+def _describe_fins(scene: Scene, term: Term) -> tuple[str, ...]:
+    """Words on fins that are given by their geometry, and where their force acts."""
+    keys = scene.loads.table_keys[term.name] if term.is_load else ()
+    geometry = getattr(get_at(scene.loads, *keys), "geometry", None) if keys else None
+    if geometry is None:
+        return ()
+    of = geometry.fin_set
+    centre = f"centre of pressure {of.centre:.6g} m behind the leading edge of the root"
+    return (f"slope {of.normal_slope:.6g} over {of.area:.6g} m^2, {centre}",)
 
 
 def _table_heading(scene: Scene, term: Term) -> str:

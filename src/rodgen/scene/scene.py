@@ -37,7 +37,7 @@ PARTS = (
     "boundary_condition with_checked_settings with_method key_path state_rates "
     "has_no_tangent_stiffness spring_law time_dependent_loads unused_names with_settings "
     "clamp_angle_at given_parameters given_value mesh contacts term_numbers watched_events "
-    "obstacles has_places_of_start"
+    "obstacles has_places_of_start airflow"
 )
 
 
@@ -47,8 +47,8 @@ class Scene(SceneTables, Plottable):
     name: of the scene and of the folder of its results; numbers: those of [parameters], by name, in
     the units of the expressions that name them; tables: those of many rows, by the names by which
     expressions call them; rod, loads, initial, integrate: these tables;
-    bodies, supports, stops, joint_stops, walls, events: lists of tables; foundation, base: their
-    tables, or None; states: tables of the states that are added, by name.
+    bodies, supports, stops, joint_stops, walls, events: lists of tables; foundation, base, air:
+    their tables, or None; states: tables of the states that are added, by name.
 
     Values are in SI units, as in a file. A scene is checked when it is made, and cannot be changed
     afterwards. InputError names the field that cannot be used.

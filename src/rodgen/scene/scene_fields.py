@@ -17,7 +17,7 @@ from pydantic import (
 from rodgen.errors import InputError
 from rodgen.model.rod import Boundary
 from rodgen.model.terms import MOVING_BASE, boundary_of
-from rodgen.scene.air_table import Air, AirTable
+from rodgen.scene.air_table import Airflow, AirTable
 from rodgen.scene.base_table import BaseTable
 from rodgen.scene.contact_tables import ContactTables, JointStopTable, StopTable, WallTable
 from rodgen.scene.expression_text import Numbers
@@ -127,9 +127,9 @@ class SceneFields(Table):
         return ContactTables(self.stops, self.joint_stops, self.walls)
 
     @cached_property
-    def _air(self) -> Air:
+    def airflow(self) -> Airflow:
         """The air at every point that it pushes."""
-        return Air(self.air, self.loads.air_places, self._numbers, tuple(self.states))
+        return Airflow(self.air, self.loads.air_places, self._numbers, tuple(self.states))
 
     @property
     def boundary_condition(self) -> Boundary:

@@ -27,7 +27,7 @@ class SceneLaws(SceneFields):
     @property
     def given_parameters(self) -> tuple[str, ...]:
         """Names of the parameters of its loads, of its contacts, of the air and of its base."""
-        tables = self.loads.parameters, self.contacts.parameters, self._air.key_paths
+        tables = self.loads.parameters, self.contacts.parameters, self.airflow.key_paths
         return tuple(name for names in (*tables, self._base_values) for name in names)
 
     def given_value(self, name: str) -> Any:
@@ -39,8 +39,8 @@ class SceneLaws(SceneFields):
         moved = self._base_values
         if name in moved:
             return moved[name]
-        if name in self._air.key_paths:
-            return self._air.value(name)
+        if name in self.airflow.key_paths:
+            return self.airflow.value(name)
         tables = self.contacts if name in self.contacts.key_paths else self.loads
         return tables.value(name)
 
@@ -50,8 +50,8 @@ class SceneLaws(SceneFields):
 
         name: of the parameter.
         """
-        if name in self._air.key_paths:
-            return self._air.expression(name)
+        if name in self.airflow.key_paths:
+            return self.airflow.expression(name)
         value = self.given_value(name)
         if not isinstance(value, str):
             return None
@@ -66,7 +66,7 @@ class SceneLaws(SceneFields):
 
         name: of the parameter.
         """
-        every = self.loads.key_paths, self.contacts.key_paths, self._air.key_paths
+        every = self.loads.key_paths, self.contacts.key_paths, self.airflow.key_paths
         return next((paths[name] for paths in every if name in paths), None) or PLACES[name]
 
     def key_of(self, name: str) -> str:

@@ -50,7 +50,7 @@ class SceneTables(SceneLaws):
             self._state_rate(name)
         if self.base is not None:
             self.base.check_boundary(self.rod.boundary_condition, self.rod.boundary)
-        self._air.check()
+        self.airflow.check()
         for parameter in self.given_parameters:
             value, each = self.given_value(parameter), PARAMETERS[parameter].each
             count = self.rod.links + (each == JOINTS)
@@ -172,11 +172,13 @@ class SceneTables(SceneLaws):
             values.update(found)
             return named
 
-        texts = tuple((name, parametrise(e, PARAMETERS[name].prefix)) for name, e in self.expressions.items())
+        texts = tuple(
+            (name, parametrise(e, PARAMETERS[name].prefix)) for name, e in self.expressions.items()
+        )
         rates = tuple(
             (name, parametrise(e, f"{name}_rate")) for name, e in self.state_rates.items()
         )
-        terms = self.loads.terms_with_places(self.mesh, self._air.options) + self.anchors.terms
+        terms = self.loads.terms_with_places(self.mesh, self.airflow.options) + self.anchors.terms
         terms += self.contacts.terms_with_places(self.mesh)
         terms += () if self.base is None else (f"{MOVING_BASE}@{'+'.join(self.base.keys)}",)
         what = rod.links, rod.boundary, rod.inertia, terms

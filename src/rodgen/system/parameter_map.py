@@ -140,6 +140,7 @@ class ParameterMap:
             "initial": self._initial_slot,
             "states": self._state_slot,
             "base": self._base_slot,
+            "air": self._air_slot,
             "foundation": self._anchor_slot,
             "supports": self._anchor_slot,
             **{term.table: self._load_slot for term in CONTACTS},
@@ -183,6 +184,16 @@ class ParameterMap:
             return self._make_slot(keys, every[[int(inner)]])
         parts = {"nose": every[:1], "body": every[1:-1], "tail": every[-1:]}
         return self._make_slot(keys, parts[inner]) if inner in parts else None
+
+    def _air_slot(self, keys: tuple[str, ...]) -> ParameterSlot | None:
+        """Find the slot of a number of the air, which several loads may have as theirs."""
+        scene, places = self._scene, self._scene.structure.slices
+        names = [name for name, path in scene.airflow.key_paths.items() if path == keys]
+        if not names or any(name in scene.expressions for name in names):
+            return None
+        return self._make_slot(
+            keys, np.array([places[name].start for name in names], dtype=np.intp)
+        )
 
     def _base_slot(self, keys: tuple[str, ...]) -> ParameterSlot | None:
         """Find the slot of a coordinate of the base that is a number."""
@@ -248,7 +259,10 @@ class ParameterMap:
         of_base = [e for e in laws if e in moved]
         if of_base and not self._moves_alone(of_base):
             return None
-        known, naming = {e.text for e in laws}, re.compile(rf"\b{re.escape(number)}\b")
+        # The air is given in another text than its laws at the places of loads have.
+        given = {scene.given_value(name) for name, e in scene.expressions.items() if e in laws}
+        known = {e.text for e in laws} | {text for text in given if isinstance(text, str)}
+        naming = re.compile(rf"\b{re.escape(number)}\b")
         if {text for text in self._expression_texts if naming.search(text)} - known:
             return None
         at = np.array([structure.indices[number]], dtype=np.intp)
@@ -258,8 +272,8 @@ class ParameterMap:
     def _literal_slot(self, keys: tuple[str, ...], at: int) -> ParameterSlot | None:
         """Find the slot of a number in the text of a law without tables, by its place there."""
         scene, structure = self._scene, self._scene.structure
-        texts = {scene.key_path(name): (name, e) for name, e in scene.time_dependent_loads.items()}
-        texts |= {scene.key_path(name): (name, e) for name, e in scene.feedback_loads.items()}
+        laws = scene.time_dependent_loads | scene.feedback_loads
+        texts = {scene.key_path(name): (PARAMETERS[name].prefix, e) for name, e in laws.items()}
         texts |= {
             ("states", name, "rate"): (f"{name}_rate", e) for name, e in scene.state_rates.items()
         }
@@ -272,8 +286,8 @@ class ParameterMap:
         open_text, values = e.with_parameters(prefix)
         law = open_expression(open_text, "t", tuple(scene.states)).with_values(values)
         place = np.array([structure.indices[name]], dtype=np.intp)
-        laws = ((law, name),)
-        return ParameterSlot(place, NOWHERE, None, keys, laws, (e, prefix), timed=True)
+        known = ((law, name),)
+        return ParameterSlot(place, NOWHERE, None, keys, known, (e, prefix), timed=True)
 
     @cached_property
     def _expression_texts(self) -> set[str]:

@@ -17,7 +17,7 @@ from nicegui import ui
 from nicegui.element import Element
 
 from rodgen.model.palette import DARK, LIGHT, Colours, colours_of
-from rodgen.model.term import COUPLE, DRAG, FORCE, SPREAD, WEIGHT
+from rodgen.model.term import AIR, COUPLE, DRAG, FORCE, SPREAD, WEIGHT
 from rodgen.model.terms import TERMS
 
 STATIC = Path(__file__).parents[1] / "static"
@@ -38,7 +38,8 @@ class Layer(NamedTuple):
 
 
 # How the picture draws a load, by what it acts on.
-ARROWS = {FORCE: "point", WEIGHT: "mass", DRAG: "joints", SPREAD: "joints", COUPLE: "link"}
+ARROWS = {FORCE: "point", AIR: "point", WEIGHT: "mass", COUPLE: "link"}
+ARROWS |= dict.fromkeys((DRAG, SPREAD), "joints")
 LOADS = {name: term for name, term in TERMS.items() if term.kind in ARROWS}
 LAYERS = {
     "bending": Layer("bending moment, as colour"),

@@ -23,9 +23,10 @@ from rodgen.model.rod import (
     STATE,
     STATE_AT_START,
 )
-from rodgen.model.term import ANY, JOINTS, LINKS, NOT_NEGATIVE, Parameter, Term
-from rodgen.model.terms import TERMS
+from rodgen.model.term import AIR, ANY, JOINTS, LINKS, NOT_NEGATIVE, Parameter, Term
+from rodgen.model.terms import AIR_ROWS, TERMS
 from rodgen.scene import Scene
+from rodgen.scene.air_table import DENSITY
 from rodgen.scene.keys import set_values
 from rodgen.scene.literals import literals, number_parameter
 from rodgen.scene.load_tables import FinFactor
@@ -103,6 +104,9 @@ def groups_of(scene: Scene) -> Iterator[FieldGroup]:
     for at, body in enumerate(scene.bodies):
         group = FieldGroup(f"bodies.{at}", body, BODY, f" of {body.name}")
         yield group._replace(rows=CHANGING_BODY) if isinstance(body.mass, str) else group
+    if scene.air is not None:
+        given = (one for one in AIR_ROWS if getattr(scene.air, one.key) is not None)
+        yield FieldGroup("air", scene.air, given)
     for name in ("base", "foundation"):
         if (table := getattr(scene, name)) is not None:
             yield FieldGroup(name, table, TERMS[name].given or TERMS[name].parameters)
@@ -123,7 +127,8 @@ def _fixed_point(scene: Scene, table: Any) -> list[float]:
 def _load_groups(scene: Scene) -> Iterator[FieldGroup]:
     for name, keys in scene.loads.table_keys.items():
         term, key, table = TERMS[name], ".".join(("loads", *keys)), get_at(scene.loads, *keys)
-        yield FieldGroup(key, table, scene.structure.load_rows[name].parameters)
+        rows = scene.structure.load_rows[name].parameters
+        yield FieldGroup(key, table, (one for one in rows if not one.table))
         if term.placed:
             yield FieldGroup(key, table, (AT_IN_MODULE,), f" of the {term.label}")
 
@@ -251,6 +256,8 @@ def reshape(scene: Scene, form: StructureForm, starts: Mapping[str, Any]) -> Sce
         _switch_term(tables, term, term.name in form.terms, other)
         for given in table.get(term.table, []) if term.array and term.placed else []:
             given.setdefault("at", 1.0 / form.links if term.at_joints else 1.0)
+    if any(TERMS[name].kind == AIR for name in form.terms):
+        table.setdefault("air", {DENSITY.key: DENSITY.first})
     set_values(table, starts, Scene)
     initial = table["initial"]
     for key in SHAPES if other else ():

@@ -18,7 +18,7 @@ from scipy.linalg import solve_triangular
 from rodgen.arrays import Array
 from rodgen.integrate.quantity_formulas import loads_at_work
 from rodgen.loading.generated_module import call_module
-from rodgen.model.term import COUPLE, DRAG
+from rodgen.model.term import COUPLE
 from rodgen.model.terms import TERMS
 from rodgen.scene import Scene
 
@@ -87,7 +87,9 @@ def zero_exponents(scene: Scene, model: ModuleType) -> dict[str, int]:
     anchored = any(term.holds_joints for term in terms)
     along = (t for t in terms if not (t.follows or t.is_damping or t.at_joints))
     directed = [t for t in along if t.kind != COUPLE]
-    blind = not (anchored or directed or any(t.kind == DRAG and t.name not in ALIKE for t in terms))
+    blind = not (
+        anchored or directed or any(t.follows_velocity and t.name not in ALIKE for t in terms)
+    )
     moves = scene.boundary_condition.translates
     if moves and not anchored:
         found["place"] = 2

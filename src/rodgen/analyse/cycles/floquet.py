@@ -35,7 +35,6 @@ from rodgen.errors import AnalysisError, InputError
 from rodgen.integrate.stepper import StepError
 from rodgen.integrate.stretches import with_span
 from rodgen.integrate.variations import PARTS, StepSettings, Variations
-from rodgen.model.term import DRAG
 from rodgen.model.terms import TERMS
 from rodgen.result import ASKED, FLAG, USUAL, Result, Row, StudyStorage, omit_from_tables
 from rodgen.scene import Scene
@@ -327,7 +326,7 @@ def _relevant_states(scene: Scene, model: ModuleType, states: int) -> tuple[int,
     """Indices of the states that the motion depends on: without joint 0 of a free rod whose
     equations do not depend on its place."""
     places = range(states)
-    damped = any(TERMS[name].kind == DRAG for name in scene.structure.loads)
+    damped = any(TERMS[name].follows_velocity for name in scene.structure.loads)
     if (
         not scene.boundary_condition.translates
         or damped
