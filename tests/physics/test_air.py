@@ -229,8 +229,8 @@ def _critical(changes: dict) -> rodgen.Critical:
 @pytest.mark.parametrize("name", ROCKETS)
 @pytest.mark.filterwarnings("ignore::rodgen.DoubtWarning")
 def test_critical_thrust_in_flight_is_where_runs_begin_to_grow(name: str) -> None:
-    """Runs of rockets that keep their speed, 3 % of thrust to either side: they grow above and decay
-    below, as their linearised equations do, to 3 %."""
+    """Runs of rockets that keep their speed, 3 % of thrust to either side: they grow above, and
+    decay below, as their linearised equations do, to 3 %."""
     found = _critical(ROCKETS[name])
     for share in (0.97, 1.03):
         scene = _balanced(ROCKETS[name], share * found.value)

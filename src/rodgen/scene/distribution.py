@@ -8,6 +8,7 @@ it, by five Gauss points, and the bodies that are fixed to it.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
@@ -125,7 +126,7 @@ class Distribution:
             found.append("stiffness")
         if self.bodies:
             found.append("points" if self.rod.inertia == "lumped" else "bodies")
-        elif "mass_per_length" in differs or uneven:
+        elif "mass_per_length" in differs or uneven or self.rod.stations is not None:
             found.append("mass")
         found += ["rest"] * (self.rod.rest_curvature is not None)
         found += ["lengths"] if uneven else ["ends"] * ends
@@ -145,18 +146,20 @@ class Distribution:
     def link_masses(self) -> Array:
         """Mass of every link without bodies [kg], (links,)."""
         rod, per_length = self.rod, self._mass_per_length
+        if rod.stations is not None:
+            ends, masses = _spread_stations(rod.stations, rod.length)
+            return np.diff(np.interp(rod.length * self.mesh.places, ends, np.cumsum(masses)))
         if per_length is None:
             assert rod.mass is not None
             return self.mesh.lengths(rod.mass)
         lengths = self.mesh.lengths(rod.length)
-        if isinstance(per_length.value, list):
-            return np.asarray(lengths * per_length.value)
-        means = cell_means(per_length.at(self.mesh.gauss_points(), self.t))
-        return np.asarray(lengths * means)
+        return np.asarray(lengths * per_length.link_values(self.mesh, self.t))
 
     @property
     def total_link_mass(self) -> float:
         """Mass of all links without bodies [kg]."""
+        if self.rod.stations is not None:
+            return math.fsum(mass for _, mass in self.rod.stations)
         return float(self.link_masses.sum()) if self.rod.mass is None else self.rod.mass
 
     @property
@@ -317,6 +320,14 @@ class Distribution:
             BodyOutline(body.name, link, part.along, part.across, (part.mass / mass) ** 0.5)
             for body, (link, part) in zip(self.bodies, self._body_parts, strict=True)
         ]
+
+
+def _spread_stations(stations: Sequence[Sequence[float]], length: float) -> tuple[Array, Array]:
+    """Ends of the parts of a rod [m] over which its stations are spread, from 0 to its length, with
+    the masses of the parts before them [kg]."""
+    places, masses = np.array(stations, dtype=float).T
+    ends = np.concatenate(([0.0], (places[1:] + places[:-1]) / 2, [length]))
+    return ends, np.concatenate(([0.0], masses))
 
 
 def rest_shape(boundary: Boundary, links: int, rest_angles: ArrayLike) -> Array:

@@ -13,7 +13,7 @@ from rodgen.errors import InputError
 from rodgen.scene.bounds import Field, find_out_of_bounds, with_neighbours, zeros_on_grid
 from rodgen.scene.expression import Difference, Expression, parse_expression
 from rodgen.scene.expression_text import Numbers
-from rodgen.scene.rod_mesh import RodMesh, cell_means
+from rodgen.scene.rod_mesh import POINTS, RodMesh, cell_means
 
 Along = float | list[float] | str  # a number, values along the rod, or an expression in s
 GRID = np.linspace(0.0, 1.0, 1001)  # where an expression is looked at besides
@@ -84,7 +84,8 @@ class Law:
         return np.broadcast_to(np.asarray(given, dtype=float), places.shape)
 
     def link_values(self, mesh: RodMesh, t: float = 0.0) -> list[float]:
-        """Value of every link: its own, or the mean. Raises InputError where that is not finite."""
+        """Value of every link: its own, or the mean. Raises InputError where a value that is summed
+        up is not finite."""
         if isinstance(self.value, list):
             return self.value
         if not isinstance(self.value, str):
@@ -95,7 +96,23 @@ class Law:
         if wrong.any():
             allowed = f"finite all along the rod (not as at s = {places[wrong][0]:.6g})"
             raise InputError(self.field, self.value, allowed)
-        return [float(mean) for mean in cell_means(values)]
+        return self._link_means(mesh, values, t).tolist()
+
+    def _link_means(self, mesh: RodMesh, values: Array, t: float) -> Array:
+        """Means over the links from values at their Gauss points; of a link in which the law has
+        corners, over the parts between these."""
+        means = cell_means(values)
+        if self.is_time_dependent:
+            return means
+        alone = _parse(str(self.value), self.field, self.numbers, "s")
+        corners, joints = np.array(alone.breaks(0.0, 1.0)), mesh.places
+        on = np.searchsorted(joints, corners) - 1
+        for link in np.unique(on):
+            ends = np.array([joints[link], *corners[on == link], joints[link + 1]])
+            parts = np.diff(ends)[:, None]
+            inside = self.at(ends[:-1, None] + parts * POINTS, t)
+            means[link] = parts[:, 0] @ cell_means(inside) / parts.sum()
+        return means
 
     @property
     def expression(self) -> Expression:

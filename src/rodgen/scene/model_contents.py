@@ -66,6 +66,9 @@ def _rod_parts(scene: Scene) -> Iterator[ModelPart]:
     yield ModelPart("bent at rest", bent, shape)
     if varying := _describe_variation(along.nonuniform_values.get("mass_per_length")):
         yield ModelPart("mass of links", True, f"mass_per_length{varying}")
+    if rod.stations is not None:
+        stations = f"{len(rod.stations)} stations, {along.total_link_mass:g} kg in all"
+        yield ModelPart("mass of links", True, stations)
     for body, mass in zip(scene.bodies, along.body_masses, strict=True):
         when = f" at the start, {abbreviate(body.mass)}," if isinstance(body.mass, str) else ""
         where = _describe_point(scene, body.at)

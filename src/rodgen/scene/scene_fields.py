@@ -39,6 +39,7 @@ from rodgen.scene.tables import (
     check_count,
     validate_tables,
 )
+from rodgen.scene.units import to_si
 from rodgen.scene.validation import to_input_error
 
 
@@ -78,7 +79,7 @@ class SceneFields(Table):
 
     def __init__(self, /, **tables: Any) -> None:
         """Check tables, each a keyword; arrays, tuples and NumPy's numbers are taken too."""
-        tables = to_plain(tables)
+        tables = to_si(to_plain(tables), type(self))
         try:
             # As pydantic does, with a context: it gets the numbers that expressions may name.
             self.__pydantic_validator__.validate_python(tables, self_instance=self, context={})

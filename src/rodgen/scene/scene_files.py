@@ -27,6 +27,7 @@ from rodgen.scene.lookup_table import KNOTS, MOST_ROWS, VALUES
 LARGEST = 50_000_000  # bytes
 KINDS = (".csv", ".eng", ".rse")
 MOTORS = (".eng", ".rse")
+STATIONS = ".csv"  # that the mass of a rod may name
 TABLES = "tables"  # where a scene has them
 DECLARED = re.compile(r"^\s*<\?xml[^>]*\?>")  # an encoding, of what is text already
 BETWEEN = re.compile(r"[,;\s]+")
@@ -49,9 +50,20 @@ def read_table_files(scene: dict[str, Any], folder: Path) -> dict[str, Any]:
     if not isinstance(known, dict):
         return scene
     reader = _FileReader(folder, known)
+    scene = _read_stations(scene, reader)
     made = {key: reader.read(value, key) for key, value in scene.items() if key != TABLES}
     tables = known | reader.found
     return made | ({TABLES: tables} if tables else {})
+
+
+def _read_stations(scene: dict[str, Any], reader: _FileReader) -> dict[str, Any]:
+    """Read the stations that the mass of a rod names a file of."""
+    rod = scene.get("rod")
+    name = rod.get("mass") if isinstance(rod, dict) else None
+    if not (isinstance(rod, dict) and isinstance(name, str) and name.endswith(STATIONS)):
+        return scene
+    others = {key: value for key, value in rod.items() if key != "mass"}
+    return scene | {"rod": others | {"stations": reader.read_stations(name)}}
 
 
 class _FileReader(ast.NodeTransformer):
@@ -74,6 +86,11 @@ class _FileReader(ast.NodeTransformer):
         tree = parse(value, place)
         made = value if tree is None else ast.unparse(self.visit(tree))
         return made if self._changed else value
+
+    def read_stations(self, name: str) -> list[list[float]]:
+        """Read places and masses of a file of stations. Raises InputError."""
+        self._place = "rod.mass"
+        return [[*row] for row in self._read_rows(name, None)]
 
     def visit_Call(self, node: ast.Call) -> ast.expr:
         self.generic_visit(node)

@@ -146,6 +146,11 @@ def validate_tables(
     return made
 
 
+Station = Annotated[list[NotNegative], Field(min_length=2, max_length=2)]
+Stations = Annotated[list[Station], Field(min_length=1)]
+MASS_KEYS = "mass", "mass_per_length", "stations"  # of which a rod has one
+
+
 class RodTable(Table):
     """The rod, of rigid links that are joined by rotary springs."""
 
@@ -168,6 +173,12 @@ class RodTable(Table):
         default=None,
         description="mass per length [kg/m]: a number, an expression in s and t, or n values, one "
         "for every link",
+    )
+    stations: Stations | None = Field(
+        default=None,
+        description="in place of both, masses at stations, `[[x, mass], ...]`: from the start [m], "
+        "ascending, and [kg]; each is spread evenly to the middles between them, the first and the "
+        'last to the ends of the rod; `mass = "stations.csv"` reads them from a file',
     )
     spring: str | None = Field(
         default=None,
@@ -206,11 +217,23 @@ class RodTable(Table):
         if self.clamp_angle is not None and not BOUNDARIES[self.boundary].is_clamped:
             allowed = f"absent: boundary {self.boundary} has no clamp"
             raise InputError("rod.clamp_angle", self.clamp_angle, allowed)
-        if self.mass is None and self.mass_per_length is None:
+        given = [key for key in MASS_KEYS if getattr(self, key) is not None]
+        if not given:
             raise InputError("rod.mass", Missing(), "given, or rod.mass_per_length")
-        if self.mass is not None and self.mass_per_length is not None:
-            raise InputError("rod.mass", self.mass, "absent beside rod.mass_per_length")
+        if len(given) > 1:
+            value = getattr(self, given[0])
+            raise InputError(f"rod.{given[0]}", value, f"absent beside rod.{given[1]}")
+        self._check_stations()
         return self
+
+    def _check_stations(self) -> None:
+        """Raise InputError for stations that do not ascend along the rod."""
+        before = -1.0
+        for at, (place, _) in enumerate(self.stations or ()):
+            if not before < place <= self.length:
+                allowed = f"above {before:g} and at most the length {self.length:g} m"
+                raise InputError(f"rod.stations[{at}]", place, allowed if at else "at least 0")
+            before = place
 
     @property
     def boundary_condition(self) -> Boundary:

@@ -10,6 +10,7 @@ from rodgen.arrays import Array
 from rodgen.errors import InputError
 from rodgen.model.rod import MASS_WAYS
 from rodgen.scene.link_parts import link_parameters_at
+from rodgen.scene.tables import MASS_KEYS
 
 if TYPE_CHECKING:
     from rodgen.model.rod import Boundary
@@ -96,6 +97,6 @@ def missing_mass(system: RodWithMasses) -> InputError | None:
     if least:
         return None
     rod = system.scene.rod
-    key = "mass" if rod.mass is not None else "mass_per_length"
+    key = next(key for key in MASS_KEYS if getattr(rod, key) is not None)
     allowed = f"above 0 for a run: joint {joint} has no mass of its own (modes, critical loads "
     return InputError(f"rod.{key}", getattr(rod, key), f"{allowed}and equilibria need none)")

@@ -16,6 +16,7 @@ from rodgen.errors import InputError
 from rodgen.scene import Scene
 from rodgen.scene.plain_tables import parse_toml
 from rodgen.scene.scene_files import read_table_files
+from rodgen.scene.units import has_units
 
 MOST_SCENES = 500  # of a folder
 LINE = re.compile(r"\bline (\d+)|at end of document")  # of what is no TOML, in its refusal
@@ -31,6 +32,8 @@ def edited_text(text: str, before: Scene, after: Scene) -> str:
     """
     try:
         document = tomlkit.parse(text)
+        if has_units(document.unwrap()):  # which its numbers have, and those of scenes have not
+            return after.to_toml()
         _edit(document, before.to_dict(), after.to_dict())
         return tomlkit.dumps(document).rstrip() + "\n"
     except (TOMLKitError, LookupError, TypeError, AttributeError):  # a form that it cannot edit
