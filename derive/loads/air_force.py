@@ -36,10 +36,7 @@ class AirForce(PointLaw):
     def flow(self, chain: GenericChain) -> dict[str, Expr]:
         """Velocity of its point against the air, along the link and across it [m/s]; that may be
         one that is held."""
-        link, boundary = self.point.link, chain.boundary_condition
-        is_held = link.is_Integer and link < boundary.first
-        angle = chain.base_motion.clamp_angle if is_held else phi[link]
-        moving = self._moving_parts(boundary)
+        moving, angle = self._moving_parts(chain.boundary_condition), phi[self.point.link]
         x, y = (sum((x * of[at] for at, x in moving), S.Zero) for of in (joint_vx, joint_vy))
         _, _, along, across = self.against_air(PointMotion((S.Zero, S.Zero), (x, y), angle))
         return {"along": along, "across": across}

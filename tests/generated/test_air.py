@@ -37,6 +37,15 @@ def test_air_equals_fifty_digit_arithmetic(
     assert max(one.error for one in found) < 1e-12
 
 
+@pytest.mark.parametrize("boundary", ["cantilever", "clamped"])
+def test_air_on_a_moving_base_equals_fifty_digit_arithmetic(built: Built, boundary: str) -> None:
+    """Points of a link that is held move with it."""
+    moved = (("base_x", "base_x_1 * sin(t)"), ("base_angle", "base_angle_1 * cos(t)"))
+    terms = (*AIRBORNE, "base@x+angle")
+    structure = Structure(4, boundary, "uniform", terms, (*AIR_LAWS, *moved))
+    assert max(one.error for one in check_module(built(structure, "numpy"), states=3)) < 1e-12
+
+
 @pytest.mark.compiler
 @pytest.mark.parametrize("target", ["numpy", "c"])
 @pytest.mark.parametrize("boundary", ["free", "clamped"])

@@ -21,6 +21,7 @@ MOMENTS = 201  # of the span at which one in t is looked at
 CELLS = 40  # at whose points one in s and t is looked at, of a rod that has as many links
 STAGES = 21  # times of the span at which a pole along the rod is looked for
 SOME = 0.0, 0.5, 1.0  # s at which a divisor that changes with time is looked at
+MOST_CORNERS = 50  # functions whose zeros are corners along the rod
 BREAKS = 10_000  # at both sides of which an expression in t is looked at; of more, at some
 
 
@@ -104,8 +105,7 @@ class Law:
         means = cell_means(values)
         if self.is_time_dependent:
             return means
-        alone = _parse(str(self.value), self.field, self.numbers, "s")
-        corners, joints = np.array(alone.breaks(0.0, 1.0)), mesh.places
+        corners, joints = _corners(str(self.value), self.field, self.numbers), mesh.places
         on = np.searchsorted(joints, corners) - 1
         for link in np.unique(on):
             ends = np.array([joints[link], *corners[on == link], joints[link + 1]])
@@ -130,6 +130,16 @@ def _parse(text: str, field: str, numbers: Numbers, variables: str) -> Expressio
         allowed = "an expression that no sensor is in: it does not follow the motion"
         raise InputError(field, text, allowed)
     return found
+
+
+@lru_cache(maxsize=64)
+def _corners(text: str, field: str, numbers: Numbers) -> Array:
+    """Places inside the rod where an expression in s has corners; knots of tables alone, of one
+    that may have more than are worth to be looked for."""
+    e = _parse(text, field, numbers, "s")
+    few = len(e.corners()) <= MOST_CORNERS
+    found = e.breaks(0.0, 1.0) if few else [s for s in e.knots() if 0 < s < 1]
+    return np.array(found, dtype=float)
 
 
 @lru_cache(maxsize=64)
