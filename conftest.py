@@ -121,9 +121,9 @@ LOADS: dict[str, Any] = {
     "drag": {"normal": 0.5, "tangential": 0.1, "wind": [2.0, "sin(t)"]},
     "viscous_drag": {"normal": 0.4, "tangential": 0.2, "wind": [1.0, "cos(t)"]},
     "moment": {"moment": 5.0},
-    "fins": {"normal_slope": 6.0, "area": 0.02},
-    "nose": {"area": 0.02},
-    "axial_drag": {"coefficient": 0.4, "area": 0.02},
+    "fins": {"at": 1.0, "normal_slope": 6.0, "area": 0.02},
+    "nose": {"at": 1.0, "area": 0.02},
+    "axial_drag": {"at": 1.0, "coefficient": 0.4, "area": 0.02},
     "joint_friction": {"moment_per_joint": 0.2, "rate": 0.3},
     "supports": [{"at": 1.0, "stiffness": [3.0, 1.0], "damping": [0.2, 0.1], "rotation": 0.5}],
 }

@@ -12,7 +12,7 @@ from pydantic import BaseModel
 from pydantic.fields import FieldInfo
 
 from rodgen.model.rod import BOUNDARIES
-from rodgen.model.term import LINKS, Parameter
+from rodgen.model.term import AIR, LINKS, Parameter
 from rodgen.model.terms import CONTACTS, TERMS
 from rodgen.result import Row
 from rodgen.scene import Scene
@@ -124,9 +124,8 @@ def _loads() -> Iterator[str]:
         yield from (_key(one) for one in term.parameters if not one.table)
         yield from (_field(key, one) for key, (_, one) in GEOMETRIES.get(term.name, {}).items())
         if term.placed:
-            yield _row(
-                "`at`", "s of the point where it acts, from 0 (nose or root) to 1 (tail)", "1"
-            )
+            place = "s of the point where it acts, from 0 (nose or root) to 1 (tail)"
+            yield _row("`at`", place, "required" if term.kind == AIR else "1")
 
 
 def _contacts() -> Iterator[str]:

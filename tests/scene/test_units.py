@@ -57,7 +57,7 @@ OTHER: dict[str, Any] = {
     "loads": {
         "units": {"force": "kN"},
         "follower": {"force": 3},
-        "drag": {"units": {"mass": "g", "length": "m"}, "normal": 700, "wind": [3.0, "2*t"]},
+        "drag": {"normal": 0.7, "wind": [3.0, "2*t"]},
     },
     "initial": {"phi": "18/pi"},
 }

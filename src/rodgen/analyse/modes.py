@@ -334,7 +334,7 @@ def _count_rigid(state: SteadyState) -> int:
     rod = state.rod
     if rod.n_base and rod.has_supports:
         return len(free_directions(rod, state.at, state.p))
-    return rod.n_base + state.has_free_rotation
+    return rod.n_base + (state.has_free_rotation or state.turns_with_path)
 
 
 def _mode_shapes(

@@ -270,6 +270,19 @@ class SteadyState:
         return _project_forces(slope, mass, ways)
 
     @property
+    def turns_with_path(self) -> bool:
+        """Whether a straight rod in flight that is turned together with its path is left so, by
+        loads that depend on its speed."""
+        rod = self.rod
+        if not (rod.n_base and rod.speed and has_drag(rod) and self.is_straight):
+            return False
+        linear = self.dense_pencil()
+        angles, moves = slice(1, linear.size - linear.added), linear.S1[:, 0] * rod.speed
+        turned, sizes = linear.S0[:, angles], np.abs(linear.S0[:, angles]).sum(axis=1)
+        off = np.abs(turned.sum(axis=1) - moves)
+        return bool((off <= STEADY * (sizes + np.abs(moves))).all())
+
+    @property
     def speed_growth(self) -> float:
         """Growth of the speed by the loads, without what falls freely, over the speed [1/s]."""
         here = MotionSlice(self.rod.model, self.p, self.y, np.asarray(self.rod.t))
@@ -333,10 +346,17 @@ def find_steady_state(
         raise AnalysisError(
             "the free rod has no steady state to linearise about: in its shape without load, its "
             f"links turn with {turning:.3g} rad/s^2 (a load along a straight rod, or gravity "
-            "alone, leaves it so)"
+            f"alone, leaves it so{_hint_of_wind(rod)})"
         )
     rest, _ = find_equilibrium(rod, p, start.at if start else None)
     return SteadyState(rod, rest.at, p)
+
+
+def _hint_of_wind(rod: SteadyRod) -> str:
+    """Words on a wind that blows on a rod; none without one."""
+    if rod.scene.air is None or rod.scene.air.wind is None:
+        return ""
+    return "; a wind across it does not: leave out air.wind"
 
 
 def unloaded_state(rod: SteadyRod, p: Array) -> tuple[SteadyState | None, float]:

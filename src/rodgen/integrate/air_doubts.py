@@ -7,11 +7,12 @@ from collections.abc import Iterator
 import numpy as np
 
 from rodgen.arrays import Array
+from rodgen.errors import shorten
 from rodgen.integrate.quantity_formulas import Motion
 from rodgen.model.terms import describe
 from rodgen.result import Note, doubt
 from rodgen.scene import Scene
-from rodgen.scene.air_table import STANDARD
+from rodgen.scene.air_table import DENSITY
 from rodgen.scene.standard_atmosphere import HIGHEST
 
 FAST = 0.8  # Mach number from which the air is compressed by more than its forces know
@@ -27,9 +28,10 @@ def air_doubts(scene: Scene, motion: Motion) -> Iterator[Note]:
     speeds = {name: motion.values(f"airspeed_{name}") for name in places}
     heights = motion.values("joints")[..., 0, 1]
     above = float(heights.max()) + (table.height or 0.0)
-    if table.density == STANDARD and above > HIGHEST:
+    if table.is_standard and above > HIGHEST:
         text = f"it rises to {above:.6g} m above the sea, and the standard atmosphere here reaches "
         yield doubt(f"{text}{HIGHEST:g} m: its density is a guess beyond", height=above)
+    yield from _density_doubts(scene, motion)
     yield from mach_doubt(scene, np.max([*speeds.values()], axis=0), heights)
     beyond = {
         name: float(np.abs(attack[speeds[name] >= SLOW * speeds[name].max()]).max())
@@ -46,6 +48,17 @@ def air_doubts(scene: Scene, motion: Motion) -> Iterator[Note]:
         )
         text += f"stall angle of {stall:.3g} degrees: forces are a guess there"
         yield doubt(text, degrees=float(largest), stall=float(stall))
+
+
+def _density_doubts(scene: Scene, motion: Motion) -> Iterator[Note]:
+    """Yield the doubt about a density below zero."""
+    paths = scene.airflow.key_paths.items()
+    names = [name for name, path in paths if path[-1] == DENSITY.key]
+    least = min(float(np.min(motion.values(name))) for name in names)
+    if least < 0:
+        given = shorten(scene.given_value(names[0]))
+        text = f"air.density = {given}: it falls to {least:.3g} kg/m^3, where the air pushes back"
+        yield doubt(text, density=least)
 
 
 def mach_doubt(scene: Scene, speeds: Array, heights: Array) -> Iterator[Note]:

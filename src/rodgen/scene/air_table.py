@@ -15,7 +15,7 @@ from rodgen.model.term import BY_HEIGHT, Parameter
 from rodgen.model.terms import AIR_ROWS, PARAMETERS, TERMS
 from rodgen.scene.expression import Expression, parse_expression
 from rodgen.scene.expression_text import Numbers
-from rodgen.scene.grammar import parse, replace_names
+from rodgen.scene.grammar import names_in, parse, replace_names
 from rodgen.scene.number_text import Expressed
 from rodgen.scene.plain_tables import get_at
 from rodgen.scene.standard_atmosphere import density_text, speed_of_sound
@@ -55,9 +55,15 @@ class AirTable(Table):
 
     @model_validator(mode="after")
     def _check_height(self) -> Self:
-        if self.height is not None and self.density != STANDARD:
+        if self.height is not None and not self.is_standard:
             raise InputError("air.height", self.height, f'absent: air.density is not "{STANDARD}"')
         return self
+
+    @property
+    def is_standard(self) -> bool:
+        """Whether the density is that of the standard atmosphere, or follows from it."""
+        tree = parse(self.density, "air.density") if isinstance(self.density, str) else None
+        return tree is not None and STANDARD in names_in(tree)
 
 
 @dataclass(frozen=True)
@@ -96,9 +102,11 @@ class Airflow:
         if table is None or getattr(table, one.key) is None:
             return None
         value = get_at(table, *one.key_path)
-        if one is DENSITY and value == STANDARD:
-            return density_text(float(table.height or 0.0))
-        return value
+        if one is not DENSITY or not table.is_standard:
+            return value
+        tree = parse(str(value), f"{AIR}.{one.key}")
+        assert tree is not None
+        return replace_names(tree, {STANDARD: density_text(float(table.height or 0.0))})
 
     @cached_property
     def options(self) -> tuple[str, ...]:

@@ -160,7 +160,7 @@ def make_term_table(term: Term) -> type[Table]:
     rows = [one for one in term.parameters if not one.table]
     fields: dict[str, Any] = {one.key: _make_field(one) for one in rows}
     fields |= GEOMETRIES.get(term.name, {})
-    if term.placed and term.is_load:
+    if term.placed and term.is_load and term.kind != AIR:
         fields["at"] = Expressed[Share], Field(1.0, exclude_if=lambda at: at == 1)
     elif term.placed:
         fields["at"] = Expressed[Share], ...

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from math import atanh, cos, inf, sin
 
 from rodgen.model.rod import INERTIAS
-from rodgen.model.term import BASE, CONTACT, DAMPER, Term
+from rodgen.model.term import BASE, CONTACT, DAMPER, Parameter, Term
 from rodgen.model.terms import PARAMETERS, TERMS
 from rodgen.scene.grammar import abbreviate
 from rodgen.scene.law import Along
@@ -155,7 +155,7 @@ def _term_part(scene: Scene, term: Term) -> ModelPart:
     laws, fed = scene.expressions, scene.feedback_loads
     functions = [
         f"{one.key} {'follows the motion' if one.name in fed else 'is a function of t'}, "
-        f"part of the code: {abbreviate(laws[one.name].canonical)}"
+        f"part of the code: {_law_text(scene, one)}"
         for one in term.parameters
         if one.name in laws
     ]
@@ -165,6 +165,13 @@ def _term_part(scene: Scene, term: Term) -> ModelPart:
     words = (*_describe_place(scene, term), *functions, *_describe_joint_friction(scene, term))
     words += _describe_fins(scene, term)
     return ModelPart(name, True, "; ".join(words) or table)
+
+
+def _law_text(scene: Scene, one: Parameter) -> str:
+    """Text of a law, as the scene has it where it stands for more."""
+    if one.table:
+        return abbreviate(scene.given_value(one.name))
+    return abbreviate(scene.expressions[one.name].canonical)
 
 
 def _describe_contact(scene: Scene, term: Term) -> str:
@@ -242,4 +249,6 @@ def _describe_place(scene: Scene, term: Term) -> list[str]:
     at = get_at(scene.loads, *keys, "at")
     if at == 1 and len(keys) == 1:
         return []
-    return [f"table {_table_heading(scene, term)} {_describe_point(scene, at)}"]
+    held = scene.mesh.link_and_share(at)[0] < scene.boundary_condition.first
+    idle = ", which is held: it does nothing" if held else ""
+    return [f"table {_table_heading(scene, term)} {_describe_point(scene, at)}{idle}"]

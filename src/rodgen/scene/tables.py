@@ -231,8 +231,9 @@ class RodTable(Table):
         before = -1.0
         for at, (place, _) in enumerate(self.stations or ()):
             if not before < place <= self.length:
-                allowed = f"above {before:g} and at most the length {self.length:g} m"
-                raise InputError(f"rod.stations[{at}]", place, allowed if at else "at least 0")
+                least = f"above {before:g}, the station before it," if at else "at least 0"
+                allowed = f"{least} and at most the length, {self.length:g} m"
+                raise InputError(f"rod.stations[{at}]", place, allowed)
             before = place
 
     @property

@@ -1,7 +1,9 @@
 """Units other than SI, in which the tables of a scene may be given: `units = {length = "mm"}`.
 
 They are those of the table and of all within it. Numbers are converted as a scene is made, which
-has SI units from there on; an expression is multiplied by the factor of its value.
+has SI units from there on; an expression is multiplied by the factor of its value. What has a time
+in its unit, densities and coefficients of drag are in SI units always: who draws in millimetres has
+speeds in m/s all the same.
 """
 
 from __future__ import annotations
@@ -30,6 +32,7 @@ KINDS: dict[str, tuple[str, dict[str, Decimal]]] = {
         "angle": ("rad", {"rad": 1, "deg": PI / 180}),
     }.items()
 }
+ALWAYS_SI = {"kg/m^3", "kg/m^2"}
 PART = re.compile(r"(kg|rad|[mNsJW1])(?:\^(\d))?")
 BRACKET = re.compile(r"\[([^\]`]*)\]")
 # Words that are no expressions, and keys whose expressions are in numbers of the module.
@@ -147,9 +150,12 @@ def _powers(unit: str) -> tuple[tuple[str, int], ...] | None:
 
 def _factor(unit: str, units: Chosen) -> Decimal:
     """Factor from the chosen units of a quantity to its SI unit."""
+    of_si = {base for base, _ in KINDS.values()} | {"1"}
     of_base = {base: known[units[kind]] for kind, (base, known) in KINDS.items() if kind in units}
-    made = Decimal(1)
-    for base, power in _powers(unit) or ():
+    made, powers = Decimal(1), _powers(unit) or ()
+    if unit in ALWAYS_SI or any(base not in of_si for base, _ in powers):
+        return made
+    for base, power in powers:
         made *= of_base.get(base, Decimal(1)) ** power
     return made
 

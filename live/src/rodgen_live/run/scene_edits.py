@@ -254,6 +254,8 @@ def reshape(scene: Scene, form: StructureForm, starts: Mapping[str, Any]) -> Sce
     for term in TERMS.values():
         tables = table["loads"] if term.is_load else table
         _switch_term(tables, term, term.name in form.terms, other)
+        if term.kind == AIR and isinstance(given := tables.get(term.table), dict):
+            given.setdefault("at", 1.0)
         for given in table.get(term.table, []) if term.array and term.placed else []:
             given.setdefault("at", 1.0 / form.links if term.at_joints else 1.0)
     if any(TERMS[name].kind == AIR for name in form.terms):
