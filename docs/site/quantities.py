@@ -11,6 +11,7 @@ from rodgen.model.quantities import (
     DATASET,
     FILE,
     FORCES,
+    IN_AIR,
     JOINT_CONTACTS,
     LOADS,
     POWERS,
@@ -34,6 +35,7 @@ ONE_FOR_EACH = {
     ADDED: "state that the scene adds",
     CONTACTS: "stop and wall",
     JOINT_CONTACTS: "stop in a joint",
+    IN_AIR: "point that the air pushes",
 }
 OF_RODS = {"translates": "free rods", "is_held": "rods that are held", "is_clamped": "clamped rods"}
 KEPT = {FILE: "file, dataset", DATASET: "dataset", SHOWN: ""}

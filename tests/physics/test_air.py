@@ -192,6 +192,27 @@ def test_turning_the_flight_is_no_instability() -> None:
         assert rodgen.natural_modes(rocket({"loads.follower.force": force})).stable
 
 
+@pytest.mark.parametrize("speed", [40.0, 0.0, 120.0])
+@pytest.mark.parametrize("density", [DENSITY, f"{DENSITY} + 0*y"])
+def test_a_wind_along_the_axis_adds_to_the_speed(speed: float, density: float | str) -> None:
+    """What counts is the speed against the air, however it is made up."""
+    still = rocket({"air.density": density, "rod.links": 6})
+    windy = still.replace(
+        {"initial.velocity": [0.0, speed], "air.wind": [0.0, speed - SPEED]}
+    )  # it comes down from above, or follows
+    one, two = rodgen.natural_modes(still), rodgen.natural_modes(windy)
+    np.testing.assert_allclose(two.frequencies, one.frequencies, rtol=1e-8)
+    np.testing.assert_allclose(two.growth, one.growth, rtol=1e-5, atol=1e-7)
+    loads = [rodgen.critical_load(scene) for scene in (still, windy)]
+    assert loads[1].value == pytest.approx(loads[0].value, rel=1e-7)
+
+
+def test_what_turns_with_its_path_is_left_out_with_the_rigid_motions() -> None:
+    assert rodgen.natural_modes(rocket()).rigid == 3
+    falls = rocket({"loads.fins": None, "loads.nose": None, "loads.axial_drag": None})
+    assert rodgen.natural_modes(falls).rigid == 3
+
+
 FAST = {"initial.velocity": [0.0, 200.0]}
 # At heights and speeds at which what bends them brings them down: by divergence and by flutter.
 ROCKETS = {

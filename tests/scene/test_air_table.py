@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -104,6 +105,50 @@ def test_a_system_with_another_number_is_that_of_the_scene_with_it(key: str, val
     np.testing.assert_array_equal(made.p, whole.p)
     if key != "rod.diameter":
         assert made.structure is system.structure  # a copy of p
+
+
+def test_the_standard_atmosphere_may_stand_in_an_expression() -> None:
+    """Its numbers are not those of the text; and nothing else has its name."""
+    hot = arrow({"air.density": "isa*0.9", "air.height": 500.0})
+    model = rodgen.build(hot)
+    p, y = model.parameters(**hot.parameters), hot.initial_state()
+    y[1] = 1500.0
+    found = model.signals(0.0, y, p)["nose_density"]
+    assert found == pytest.approx(0.9 * 1.00655, rel=1e-5)  # of 2000 m, in the tables
+    system = System(hot)
+    made, whole = system.at({"air.density.0": 0.5}), System(hot.replace({"air.density.0": 0.5}))
+    np.testing.assert_array_equal(made.p, whole.p)
+    assert refused(arrow, {"parameters.isa": 2.0}).field == "parameters.isa"
+
+
+def test_studies_keep_airspeeds_also_of_points_that_are_held() -> None:
+    held = arrow({"rod.boundary": "clamped", "initial.velocity": None, "initial.phi": None})
+    data = rodgen.study(
+        held.replace({"integrate.span": [0.0, 0.01]}),
+        vary={"air.wind.0": [3.0, 4.0]},
+        keep=["max(airspeed_nose)", "last(attack_fins)"],
+    )
+    np.testing.assert_allclose(data["max(airspeed_nose)"], [3.0, 4.0], rtol=1e-4)
+
+
+def test_a_run_stops_at_an_airspeed_and_doubts_stay_in_its_file(tmp_path: Path) -> None:
+    event = {"quantity": "airspeed_nose", "value": 19.99, "action": "stop"}
+    scene = arrow({"air.wind": None, "events": [event], "loads.gravity": {}})
+    sol = rodgen.simulate(scene)
+    assert sol.values("airspeed_nose")[-1] == pytest.approx(19.99, abs=1e-9)
+    turned = arrow({"air.wind": None, "initial.phi": 0.0})
+    with pytest.warns(rodgen.DoubtWarning):
+        doubted = rodgen.simulate(turned, span=(0.0, 0.01), out=tmp_path / "run.nc")
+    assert rodgen.load(tmp_path / "run.nc").notes == doubted.notes
+
+
+def test_a_density_below_zero_is_doubted() -> None:
+    scene = arrow({"air.density": "y + 0.0001", "air.wind": None, "initial.velocity": [0.0, -20.0]})
+    with pytest.warns(rodgen.DoubtWarning):
+        (note,) = (
+            n for n in rodgen.simulate(scene, span=(0.0, 0.1)).notes if "density" in n.figures
+        )
+    assert note.figures["density"] < -1
 
 
 def test_a_gust_may_be_a_state_of_the_scene() -> None:

@@ -88,6 +88,18 @@ def test_an_expression_is_converted_by_its_value() -> None:
     assert made.expression("follower_force")(2.0) == 6000.0  # type: ignore[misc]
 
 
+def test_numbers_of_an_expression_keep_their_places() -> None:
+    loads = {"units": {"force": "kN"}, "follower": {"force": "300*min(t/0.5, 1)"}}
+    scene = Scene.from_dict(PLAIN | {"loads": loads})
+    changed = scene.replace({"loads.follower.force.0": 5.0})
+    assert changed.expression("follower_force")(1.0) == 5000.0  # type: ignore[misc]
+
+
+def test_a_state_or_a_table_may_be_called_units() -> None:
+    states = {"units": {"rate": "1 - units"}}
+    assert [*Scene.from_dict(PLAIN | {"states": states}).states] == ["units"]
+
+
 def test_units_that_are_not_known_are_refused_with_their_place() -> None:
     def with_units(units: object) -> dict[str, Any]:
         return {**PLAIN, "rod": {**PLAIN["rod"], "units": units}}

@@ -15,7 +15,7 @@ from rodgen.analyse.pencil import BlockPencil, DensePencil, ImplicitBlocks, join
 from rodgen.analyse.steady_rod import STRAIGHT, SteadyRod, Unknowns
 from rodgen.arrays import Array
 from rodgen.errors import AnalysisError
-from rodgen.integrate.air_doubts import mach_doubt
+from rodgen.integrate.air_doubts import air_doubts
 from rodgen.integrate.quantity_formulas import MotionSlice
 from rodgen.integrate.weights import falls_of
 from rodgen.model.terms import TERMS
@@ -111,13 +111,28 @@ class SteadyState:
     def notes(self) -> tuple[Note, ...]:
         """Notes about the speed; none for a rod that is held, and where no load depends on the
         speed."""
-        rod = self.rod
-        if not (has_drag(rod) and rod.scene.boundary_condition.translates):
-            return ()
-        return (
-            *self._velocity_notes,
-            *mach_doubt(rod.scene, np.array(rod.speed), rod.system.y0[1:2]),
-        )
+        rod, own = self.rod, tuple[Note, ...]()
+        if has_drag(rod) and rod.scene.boundary_condition.translates:
+            own = self._velocity_notes
+        return (*own, *air_doubts(rod.scene, self._motion))
+
+    @property
+    def _motion(self) -> MotionSlice:
+        """The rod as it flies, or stands still."""
+        y, t = self.rod.state_in_flight(self.at), np.asarray(self.rod.t)
+        if self.rod.n_base:
+            y[:2] = self.rod.system.y0[:2]
+        return MotionSlice(self.rod.model, self.p, y, t)
+
+    @cached_property
+    def _airspeed(self) -> float:
+        """Speed along the axis, nose first, against the medium whose loads depend on it [m/s]."""
+        rows = (row for row in self.rod.scene.structure.load_rows.values() if row.follows_velocity)
+        winds = ([one for one in row.parameters if one.key == "wind"] for row in rows)
+        first = next((wind for wind in winds if wind), [])
+        axis = np.cos(self.phi[0]), np.sin(self.phi[0])
+        blown = (self._motion.values(one.name) * axis[one.part or 0] for one in first)
+        return self.rod.speed + float(sum(blown))
 
     @property
     def _velocity_notes(self) -> tuple[Note, ...]:
@@ -263,7 +278,7 @@ class SteadyState:
             mass, ways = mass.copy(), ways[:, base:]
             mass[base:, base:] -= lean @ mass[:base, base:]
             slope[base:half] -= lean @ slope[:base]
-        if base and rod.speed and has_drag(rod) and ways is across:
+        if base and has_drag(rod) and ways is across and self._airspeed:
             # Of a rod that gets faster in its direction of flight, the centre does across, too.
             moved = mass[:, :2] @ mass[:2] / mass[0, 0]
             slope[:half, half : 2 * half] -= self.speed_growth * moved
@@ -274,21 +289,21 @@ class SteadyState:
         """Whether a straight rod in flight that is turned together with its path is left so, by
         loads that depend on its speed."""
         rod = self.rod
-        if not (rod.n_base and rod.speed and has_drag(rod) and self.is_straight):
+        held = not rod.n_base or rod.has_supports
+        if held or not (has_drag(rod) and self.is_straight and self._airspeed):
             return False
         linear = self.dense_pencil()
-        angles, moves = slice(1, linear.size - linear.added), linear.S1[:, 0] * rod.speed
+        angles, moves = slice(1, linear.size - linear.added), linear.S1[:, 0] * self._airspeed
         turned, sizes = linear.S0[:, angles], np.abs(linear.S0[:, angles]).sum(axis=1)
         off = np.abs(turned.sum(axis=1) - moves)
         return bool((off <= STEADY * (sizes + np.abs(moves))).all())
 
     @property
     def speed_growth(self) -> float:
-        """Growth of the speed by the loads, without what falls freely, over the speed [1/s]."""
-        here = MotionSlice(self.rod.model, self.p, self.y, np.asarray(self.rod.t))
-        falls = falls_of(here, self.rod.scene.structure.terms).values()
+        """Growth of the airspeed by the loads, without what falls freely, over itself [1/s]."""
+        falls = falls_of(self._motion, self.rod.scene.structure.terms).values()
         felt = self._common_acceleration - sum(falls, np.zeros(2))
-        return float(-felt @ (np.cos(self.phi[0]), np.sin(self.phi[0]))) / self.rod.speed
+        return float(-felt @ (np.cos(self.phi[0]), np.sin(self.phi[0]))) / self._airspeed
 
     def _slope(self, y: Array) -> Array:
         """Derivatives by the state of generalised forces and rates of added states, in the frame in

@@ -6,13 +6,12 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from rodgen.arrays import Array
 from rodgen.errors import shorten
 from rodgen.integrate.quantity_formulas import Motion
-from rodgen.model.terms import describe
+from rodgen.model.terms import TERMS, describe
 from rodgen.result import Note, doubt
 from rodgen.scene import Scene
-from rodgen.scene.air_table import DENSITY
+from rodgen.scene.air_table import DENSITY, STALL_ANGLE
 from rodgen.scene.standard_atmosphere import HIGHEST
 
 FAST = 0.8  # Mach number from which the air is compressed by more than its forces know
@@ -32,11 +31,14 @@ def air_doubts(scene: Scene, motion: Motion) -> Iterator[Note]:
         text = f"it rises to {above:.6g} m above the sea, and the standard atmosphere here reaches "
         yield doubt(f"{text}{HIGHEST:g} m: its density is a guess beyond", height=above)
     yield from _density_doubts(scene, motion)
-    yield from mach_doubt(scene, np.max([*speeds.values()], axis=0), heights)
+    mach = float(np.max(np.max([*speeds.values()], axis=0) / table.sound_speed(heights)))
+    if mach > FAST:
+        text = f"the rod flies at up to Mach {mach:.3g}: beyond {FAST:g} the air is compressed, "
+        yield doubt(f"{text}which its forces leave out", mach=mach)
     beyond = {
         name: float(np.abs(attack[speeds[name] >= SLOW * speeds[name].max()]).max())
         for name in places
-        if name in scene.structure.loads and not name.startswith("axial_drag")
+        if any(one.key == STALL_ANGLE.key for one in TERMS[name].parameters)
         for attack in [motion.values(f"attack_{name}")]
         if speeds[name].max() > 0
     }
@@ -59,17 +61,3 @@ def _density_doubts(scene: Scene, motion: Motion) -> Iterator[Note]:
         given = shorten(scene.given_value(names[0]))
         text = f"air.density = {given}: it falls to {least:.3g} kg/m^3, where the air pushes back"
         yield doubt(text, density=least)
-
-
-def mach_doubt(scene: Scene, speeds: Array, heights: Array) -> Iterator[Note]:
-    """Yield the doubt about speeds against the air [m/s], at heights y [m], at which the air is
-    compressed."""
-    if scene.air is None or not scene.loads.air_places:
-        return
-    mach = float(np.max(np.abs(speeds) / scene.air.sound_speed(heights)))
-    if mach > FAST:
-        text = (
-            f"the rod flies at up to Mach {mach:.3g}: beyond {FAST:g} the air is compressed, which "
-        )
-        text += "its forces leave out"
-        yield doubt(text, mach=mach)

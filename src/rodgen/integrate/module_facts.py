@@ -19,7 +19,7 @@ from rodgen.integrate.reductions import Crossing, Numbers, Reduction, parse_all
 from rodgen.integrate.stretches import Stretches
 from rodgen.loading.generated_module import structure_of
 from rodgen.memory import check_memory
-from rodgen.model.term import ANY, KNOTS, holds
+from rodgen.model.term import AIR, ANY, KNOTS, holds
 from rodgen.scene.distribution import Distribution
 from rodgen.scene.integration import IntegrationTable
 from rodgen.scene.tables import RodTable
@@ -45,7 +45,9 @@ class ModuleFacts:
         boundary_condition = of.boundary_condition
         held = range(boundary_condition.first, of.n_links) if "supports" in of.loads else ()
         loads = loads_at_work(self.model), of.open_expressions
-        return Numbers.of(boundary_condition, of.n_links, *loads, of.state_names, held, of.contacts)
+        in_air = (name for name, row in of.load_rows.items() if row.kind == AIR)
+        more = of.state_names, held, of.contacts, in_air
+        return Numbers.of(boundary_condition, of.n_links, *loads, *more)
 
     def parse_reductions(self, texts: Sequence[str]) -> tuple[Reduction, ...]:
         """Parse reductions of its numbers from their texts. Raises InputError."""

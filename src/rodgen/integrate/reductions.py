@@ -21,8 +21,6 @@ from rodgen.errors import InputError, did_you_mean
 from rodgen.integrate.quantity_formulas import Motion
 from rodgen.model.quantities import ADDED, IN_AIR, LOADS, POWERS, QUANTITIES, WORKS, Index, numbers
 from rodgen.model.rod import Boundary
-from rodgen.model.term import AIR
-from rodgen.model.terms import TERMS
 from rodgen.native.native_batch import NUMBER, WATCHED
 from rodgen.scene.contact_terms import ContactTerm
 
@@ -115,15 +113,16 @@ class Numbers:
         added: Iterable[str],
         supported: Sequence[int] = (),
         contacts: Iterable[ContactTerm] = (),
+        in_air: Iterable[str] = (),
     ) -> Numbers:
         """Collect all numbers. works, loads, added: names of the loads that do work, of parameters
         that change, and of states that are added; supported: links that supports may be on;
-        contacts: of the rod."""
+        contacts: of the rod; in_air: names of the loads that the air is."""
         works = tuple(works)
         each = {WORKS: works, POWERS: works, LOADS: tuple(loads), ADDED: tuple(added)}
         places: dict[str, tuple[str, Index]] = {"total_work": ("total_work", ())}
         contacts = tuple(contacts)
-        each[IN_AIR] = tuple(name for name in works if name in TERMS and TERMS[name].kind == AIR)
+        each[IN_AIR] = tuple(in_air)
         for one in contacts:
             each[one.kind] = (*each.get(one.kind, ()), *one.places)
         for quantity in QUANTITIES:

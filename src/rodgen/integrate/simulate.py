@@ -229,7 +229,9 @@ def resume(
     notes = saver.stream.notes if saver.stream is not None else ()
     warn_of(notes)
     with DeferredInterrupt() as interrupt:
-        return _run(saver, progress, interrupt, notes)
+        solution = _run(saver, progress, interrupt, notes)
+    warn_of(solution.notes[len(notes) :])
+    return solution
 
 
 def _build_reports(progress: Progress) -> AbstractContextManager[None]:

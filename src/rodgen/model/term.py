@@ -243,7 +243,9 @@ class Term:
     @property
     def scaling_parameters(self) -> tuple[Parameter, ...]:
         """Parameters that its force is in proportion to: its sizes, or the coefficients of drag."""
-        of_drag = self.follows_velocity
+        if self.kind == AIR:  # of a product, one factor
+            return tuple(p for p in self.parameters if p.key == "area")
+        of_drag = self.kind == DRAG
         return tuple(p for p in self.parameters if p.scales or (of_drag and p.rule == NOT_NEGATIVE))
 
     def parameters_with(self, keys: str) -> tuple[Parameter, ...]:

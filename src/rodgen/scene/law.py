@@ -97,7 +97,7 @@ class Law:
         if wrong.any():
             allowed = f"finite all along the rod (not as at s = {places[wrong][0]:.6g})"
             raise InputError(self.field, self.value, allowed)
-        return self._link_means(mesh, values, t).tolist()
+        return [float(mean) for mean in self._link_means(mesh, values, t)]
 
     def _link_means(self, mesh: RodMesh, values: Array, t: float) -> Array:
         """Means over the links from values at their Gauss points; of a link in which the law has

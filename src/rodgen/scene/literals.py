@@ -29,7 +29,7 @@ NEAR = 16  # characters of the text before and behind a number that tell where i
 LONGEST = 64  # characters
 NAME = re.compile(rf"[A-Za-z][A-Za-z0-9_]{{0,{LONGEST - 1}}}")
 # Names with a meaning in generated modules, and the variables of expressions.
-TAKEN = {"t", "s", "d", "k", "p", "y", "np", "math", "fins", "N", "pi", TABLE, *FUNCTIONS}
+TAKEN = {"isa", "t", "s", "d", "k", "p", "y", "np", "math", "fins", "N", "pi", TABLE, *FUNCTIONS}
 # A number of an expression without a name, or a table.
 MADE = re.compile(r"(.+?)_(?:knot_|value_|table_)?\d+")
 # Before the name of a load, its quantities; of contacts, theirs.

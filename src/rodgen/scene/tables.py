@@ -192,8 +192,7 @@ class RodTable(Table):
     )
     diameter: Expressed[Positive] | None = Field(
         default=None,
-        description="diameter of its body [m]: of the reference area of what the air pushes, and "
-        "of calibers",
+        description="diameter of its body [m]: of the reference area of what the air pushes",
     )
     inertia: str = Field(
         default="uniform",

@@ -37,6 +37,7 @@ PART = re.compile(r"(kg|rad|[mNsJW1])(?:\^(\d))?")
 BRACKET = re.compile(r"\[([^\]`]*)\]")
 # Words that are no expressions, and keys whose expressions are in numbers of the module.
 WORDS, AS_THEY_ARE = ("rest", "isa"), ("spring",)
+NAMED = "states", "tables", "parameters", "numbers"  # tables whose keys are names of a user
 
 Chosen = Mapping[str, str]
 
@@ -54,7 +55,8 @@ def to_si(tables: dict[str, Any], model: type[BaseModel]) -> dict[str, Any]:
 def has_units(value: Any) -> bool:
     """Whether tables, or lists of them, have units of their own."""
     if isinstance(value, dict):
-        return UNITS in value or any(map(has_units, value.values()))
+        inner = (of for key, of in value.items() if key not in NAMED)
+        return isinstance(value.get(UNITS), dict | str) or any(map(has_units, inner))
     return isinstance(value, list) and any(has_units(one) for one in value if type(one) is dict)
 
 
@@ -82,6 +84,8 @@ def _convert(
 
 
 def _convert_inner(value: Any, model: type[BaseModel], units: Chosen, place: str) -> Any:
+    if place in NAMED:
+        return value
     if isinstance(value, dict):
         return _convert(value, model, units, f"{place}.")
     if isinstance(value, list):
@@ -120,7 +124,8 @@ def _table_of_annotation(annotation: Any) -> type[BaseModel] | None:
 
 def _table_of(field: FieldInfo) -> type[BaseModel] | None:
     """Class of the tables of a key; None of one that has values."""
-    return _table_of_annotation(field.annotation)
+    annotation: Any = field.annotation
+    return _table_of_annotation(annotation)
 
 
 @cache
@@ -183,4 +188,4 @@ def _times(value: Any, by: Decimal, field: str) -> Any:
         return value
     if by == KINDS["angle"][1]["deg"] and "deg(" in value:
         raise InputError(field, value, 'without deg(), beside units.angle = "deg"')
-    return f"{float(by)!r}*({value})"
+    return f"({value})*{float(by)!r}"  # behind it, so that its own numbers keep their places

@@ -33,8 +33,8 @@ def to_input_error(error: ValidationError, model: type[BaseModel]) -> InputError
     same = [d for p, d in paths if p == deepest]
     for cause in (d.get("ctx", {}).get("error") for d in same):
         if isinstance(cause, InputError):  # of a table in a list, whose place this knows
-            field = ".".join([*deepest, cause.field.rpartition(".")[2]])
-            return InputError(field, cause.value, cause.allowed)
+            key = ".".join([*deepest, cause.field.rpartition(".")[2]])
+            return InputError(key, cause.value, cause.allowed)
     # Of a text that is a number, what that number may be.
     same = [d for d in same if isinstance(d["input"], NumberText)] or same
     if same[0]["type"] == "missing":

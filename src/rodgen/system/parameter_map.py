@@ -277,6 +277,8 @@ class ParameterMap:
         texts |= {
             ("states", name, "rate"): (f"{name}_rate", e) for name, e in scene.state_rates.items()
         }
+        if keys[0] == "air" and scene.air is not None and scene.air.is_standard:
+            return None  # its law has more numbers than its text
         prefix, e = texts.get(keys[:-1], ("", None))
         name = f"{prefix}_{at + 1}"
         if e is None or e.has_table or name not in structure.indices:
