@@ -46,8 +46,8 @@ class ModuleFacts:
         held = range(boundary_condition.first, of.n_links) if "supports" in of.loads else ()
         loads = loads_at_work(self.model), of.open_expressions
         in_air = (name for name, row in of.load_rows.items() if row.kind == AIR)
-        more = of.state_names, held, of.contacts, in_air
-        return Numbers.of(boundary_condition, of.n_links, *loads, *more)
+        rod = boundary_condition, of.n_links
+        return Numbers.of(*rod, *loads, of.state_names, held, of.contacts, in_air)
 
     def parse_reductions(self, texts: Sequence[str]) -> tuple[Reduction, ...]:
         """Parse reductions of its numbers from their texts. Raises InputError."""

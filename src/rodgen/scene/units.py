@@ -20,26 +20,29 @@ from pydantic.fields import FieldInfo
 from rodgen.errors import InputError, did_you_mean
 
 UNITS = "units"  # the key of a table
-PI = Decimal("3.14159265358979323846264338328")
+DEGREE = "0.0174532925199432957692369076849"  # pi/180
 FEET = {"in": "0.0254", "ft": "0.3048"}
 # By kind of quantity: its SI unit, and others by their names, in that.
 KINDS: dict[str, tuple[str, dict[str, Decimal]]] = {
     kind: (si, {name: Decimal(size) for name, size in known.items()})
     for kind, (si, known) in {
-        "length": ("m", {"m": 1, "mm": "1e-3", "cm": "1e-2", "km": 1000} | FEET),
-        "mass": ("kg", {"kg": 1, "g": "1e-3", "t": 1000, "lb": "0.45359237"}),
-        "force": ("N", {"N": 1, "mN": "1e-3", "kN": 1000, "MN": "1e6", "lbf": "4.4482216152605"}),
-        "angle": ("rad", {"rad": 1, "deg": PI / 180}),
+        "length": ("m", {"m": "1", "mm": "1e-3", "cm": "1e-2", "km": "1e3"} | FEET),
+        "mass": ("kg", {"kg": "1", "g": "1e-3", "t": "1e3", "lb": "0.45359237"}),
+        "force": (
+            "N",
+            {"N": "1", "mN": "1e-3", "kN": "1e3", "MN": "1e6", "lbf": "4.4482216152605"},
+        ),
+        "angle": ("rad", {"rad": "1", "deg": DEGREE}),
     }.items()
 }
 ALWAYS_SI = {"kg/m^3", "kg/m^2"}
 PART = re.compile(r"(kg|rad|[mNsJW1])(?:\^(\d))?")
 BRACKET = re.compile(r"\[([^\]`]*)\]")
 # Words that are no expressions, and keys whose expressions are in numbers of the module.
-WORDS, AS_THEY_ARE = ("rest", "isa"), ("spring",)
+WORDS, OF_MODULE = ("rest", "isa"), ("spring",)
 NAMED = "states", "tables", "parameters", "numbers"  # tables whose keys are names of a user
 
-Chosen = Mapping[str, str]
+UnitNames = Mapping[str, str]
 
 
 def to_si(tables: dict[str, Any], model: type[BaseModel]) -> dict[str, Any]:
@@ -61,10 +64,10 @@ def has_units(value: Any) -> bool:
 
 
 def _convert(
-    table: dict[str, Any], model: type[BaseModel], outer: Chosen, place: str
+    table: dict[str, Any], model: type[BaseModel], outer: UnitNames, place: str
 ) -> dict[str, Any]:
     """Convert a table; outer: units of the table that it is in."""
-    units = {**outer, **_checked(table.get(UNITS, {}), f"{place}{UNITS}")}
+    units = {**outer, **_check_units(table.get(UNITS, {}), f"{place}{UNITS}")}
     if "exponent" in table and units.get("length", "m") != "m":
         allowed = "absent in other units of length: that of the stiffness depends on it"
         raise InputError(f"{place}exponent", table["exponent"], allowed)
@@ -76,14 +79,14 @@ def _convert(
         inner = None if field is None else _table_of(field)
         if inner is not None:
             made[key] = _convert_inner(value, inner, units, f"{place}{key}")
-        elif field is not None and key not in AS_THEY_ARE:
+        elif field is not None and key not in OF_MODULE:
             made[key] = _scale(value, _units_of(model, key), units, f"{place}{key}")
         else:
             made[key] = value
     return made
 
 
-def _convert_inner(value: Any, model: type[BaseModel], units: Chosen, place: str) -> Any:
+def _convert_inner(value: Any, model: type[BaseModel], units: UnitNames, place: str) -> Any:
     if place in NAMED:
         return value
     if isinstance(value, dict):
@@ -96,7 +99,7 @@ def _convert_inner(value: Any, model: type[BaseModel], units: Chosen, place: str
     return value
 
 
-def _checked(given: Any, field: str) -> dict[str, str]:
+def _check_units(given: Any, field: str) -> dict[str, str]:
     """Check units. Raises InputError."""
     if not isinstance(given, dict):
         raise InputError(field, given, 'a table such as {length = "mm", mass = "g"}')
@@ -153,7 +156,7 @@ def _powers(unit: str) -> tuple[tuple[str, int], ...] | None:
     return tuple(powers) or None
 
 
-def _factor(unit: str, units: Chosen) -> Decimal:
+def _factor(unit: str, units: UnitNames) -> Decimal:
     """Factor from the chosen units of a quantity to its SI unit."""
     of_si = {base for base, _ in KINDS.values()} | {"1"}
     of_base = {base: known[units[kind]] for kind, (base, known) in KINDS.items() if kind in units}
@@ -165,7 +168,7 @@ def _factor(unit: str, units: Chosen) -> Decimal:
     return made
 
 
-def _scale(value: Any, si: tuple[str, ...], units: Chosen, field: str) -> Any:
+def _scale(value: Any, si: tuple[str, ...], units: UnitNames, field: str) -> Any:
     """Convert a value; of pairs that have units of their own, both."""
     factors = [_factor(unit, units) for unit in si]
     if not factors or all(one == 1 for one in factors):
