@@ -20,7 +20,7 @@ from pydantic.fields import FieldInfo
 from rodgen.errors import InputError, did_you_mean
 
 UNITS = "units"  # the key of a table
-DEGREE = "0.0174532925199432957692369076849"  # pi/180
+DEGREE = "0.01745329251994329576923690768"  # pi/180, with the digits of Decimal
 FEET = {"in": "0.0254", "ft": "0.3048"}
 # By kind of quantity: its SI unit, and others by their names, in that.
 KINDS: dict[str, tuple[str, dict[str, Decimal]]] = {
