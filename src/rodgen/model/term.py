@@ -156,7 +156,7 @@ class Parameter:
 
 def typeset(unit: str) -> str:
     """A unit with superscript powers."""
-    return unit.replace("^2", "²")
+    return unit.replace("^2", "²").replace("^3", "³")
 
 
 @dataclass(frozen=True, slots=True)
