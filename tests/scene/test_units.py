@@ -85,14 +85,14 @@ def test_an_expression_is_converted_by_its_value() -> None:
     made = Scene.from_dict(
         {**OTHER, "loads": {"units": {"force": "kN"}, "follower": {"force": "3*t"}}}
     )
-    assert made.expression("follower_force")(2.0) == 6000.0  # type: ignore[misc]
+    assert made.expression("follower_force")(2.0) == 6000.0
 
 
 def test_numbers_of_an_expression_keep_their_places() -> None:
     loads = {"units": {"force": "kN"}, "follower": {"force": "300*min(t/0.5, 1)"}}
     scene = Scene.from_dict(PLAIN | {"loads": loads})
     changed = scene.replace({"loads.follower.force.0": 5.0})
-    assert changed.expression("follower_force")(1.0) == 5000.0  # type: ignore[misc]
+    assert changed.expression("follower_force")(1.0) == 5000.0
 
 
 def test_a_state_or_a_table_may_be_called_units() -> None:
