@@ -73,6 +73,18 @@ def test_every_point_is_a_critical_force(
         assert float(found["frequency"][at]) == pytest.approx(critical.frequency, rel=1e-6)
 
 
+def test_boundary_of_a_rod_whose_thrust_is_steered_by_an_actuator() -> None:
+    """An added state has no inertia: the pencil's last matrix is singular."""
+    steered = {"follower": {"force": 1.0, "angle": "turn"}, "material_damping": {"time": 0.01}}
+    states = {"turn": {"rate": "(gain*phi(1) - turn)/0.1"}}
+    gain = {"parameters": {"gain": 0.1}, "states": states}
+    scene = rod(3, "clamped", steered, **gain, **ONES)
+    found = stability_boundary(scene, (FORCE, "parameters.gain"), bounds=(None, (0.05, 0.3)))
+    for at in (0, -1):
+        there = scene.replace({"parameters.gain": float(found["b"][at])})
+        assert float(found["a"][at]) == pytest.approx(rodgen.critical_load(there).value, rel=1e-9)
+
+
 def test_divergence_under_two_dead_loads() -> None:
     """A column buckles under its weight alone and under less of it beside a dead force; a force
     upwards lets it bear more. Every point has a stiffness that is singular."""

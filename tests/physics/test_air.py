@@ -9,6 +9,7 @@ import scipy
 import rodgen
 from rodgen.scene.fin_set import FinSet
 from rodgen.scene.standard_atmosphere import density_text, speed_of_sound
+from tests.sets import sets
 
 AREA, DENSITY, SPEED = np.pi / 4 * 0.1**2, 1.2, 90.0
 ROCKET = {
@@ -277,3 +278,23 @@ def _measured_growth(scene: rodgen.Scene, modes: rodgen.Modes, at: int) -> float
     angles, rates = sol.values("phi") + np.pi / 2, sol.values("omega") / abs(rate)
     size = np.log(np.hypot(np.linalg.norm(angles, axis=1), np.linalg.norm(rates, axis=1)))
     return float(np.polyfit(sol.t, size, 1)[0])
+
+
+@pytest.mark.parametrize("compliance", sets([0.0], slow=[1e-4]))
+def test_boundaries_in_flight_go_from_divergence_to_flutter(compliance: float) -> None:
+    """By thrust and drag: each point is the critical thrust at its drag, which is found by counting
+    growing motions of all of the rocket, with the turn of rod and path among them."""
+    drag, scene = "loads.axial_drag.0.coefficient", rocket(ROCKETS["canards"])
+    if compliance:
+        scene = scene.replace({"loads.material_damping": {"time": compliance}})
+    keys = ("loads.follower.force", drag)
+    found = rodgen.stability_boundary(scene, keys, bounds=((0.0, 9000.0), (1.0, 25.0)))
+    assert found["special_kind"].values.tolist() == ["zero frequency"]
+    assert rodgen.result.notes_from(found.attrs) == ()  # none on branches that would cross it
+    still = found["frequency"].values == 0.0
+    for at in (*np.flatnonzero(still)[[0, 20, -5]], *np.flatnonzero(~still)[[15, -2]]):
+        thrust = float(found["a"][at])
+        point = scene.replace({drag: float(found["b"][at])})
+        critical = rodgen.critical_load(point, bounds=(0.9 * thrust, None))
+        assert thrust == pytest.approx(critical.value, rel=1e-9)
+        assert float(found["frequency"][at]) == pytest.approx(critical.frequency, rel=1e-6)

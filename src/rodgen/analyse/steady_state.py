@@ -125,7 +125,7 @@ class SteadyState:
         return MotionSlice(self.rod.model, self.p, y, t)
 
     @cached_property
-    def _airspeed(self) -> float:
+    def airspeed(self) -> float:
         """Speed along the axis, nose first, against the medium whose loads depend on it [m/s]."""
         rows = (row for row in self.rod.scene.structure.load_rows.values() if row.follows_velocity)
         winds = ([one for one in row.parameters if one.key == "wind"] for row in rows)
@@ -278,7 +278,7 @@ class SteadyState:
             mass, ways = mass.copy(), ways[:, base:]
             mass[base:, base:] -= lean @ mass[:base, base:]
             slope[base:half] -= lean @ slope[:base]
-        if base and has_drag(rod) and ways is across and self._airspeed:
+        if base and has_drag(rod) and ways is across and self.airspeed:
             # Of a rod that gets faster in its direction of flight, the centre does across, too.
             moved = mass[:, :2] @ mass[:2] / mass[0, 0]
             slope[:half, half : 2 * half] -= self.speed_growth * moved
@@ -290,12 +290,12 @@ class SteadyState:
         loads that depend on its speed."""
         rod = self.rod
         held = not rod.n_base or rod.has_supports
-        if held or not (has_drag(rod) and self.is_straight and self._airspeed):
+        if held or not (has_drag(rod) and self.is_straight and self.airspeed):
             return False
         linear = self.dense_pencil()
-        angles, moves = slice(1, linear.size - linear.added), linear.S1[:, 0] * self._airspeed
+        angles, moves = slice(1, linear.size - linear.added), linear.S1[:, 0] * self.airspeed
         turned, sizes = linear.S0[:, angles], np.abs(linear.S0[:, angles]).sum(axis=1)
-        off = np.abs(turned.sum(axis=1) - moves)
+        off = np.abs(turned.sum(axis=1) - moves) + np.abs(linear.S0[:, 0]) * rod.scene.rod.length
         return bool((off <= STEADY * (sizes + np.abs(moves))).all())
 
     @property
@@ -303,7 +303,7 @@ class SteadyState:
         """Growth of the airspeed by the loads, without what falls freely, over itself [1/s]."""
         falls = falls_of(self._motion, self.rod.scene.structure.terms).values()
         felt = self._common_acceleration - sum(falls, np.zeros(2))
-        return float(-felt @ (np.cos(self.phi[0]), np.sin(self.phi[0]))) / self._airspeed
+        return float(-felt @ (np.cos(self.phi[0]), np.sin(self.phi[0]))) / self.airspeed
 
     def _slope(self, y: Array) -> Array:
         """Derivatives by the state of generalised forces and rates of added states, in the frame in

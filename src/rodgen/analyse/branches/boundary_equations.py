@@ -9,6 +9,7 @@ from functools import cached_property
 import numpy as np
 from scipy.linalg import null_space
 
+from rodgen.analyse.attack_motions import attack_pencil
 from rodgen.analyse.crossing import Border, Flutter, crossing_kind
 from rodgen.analyse.curves.curve import ContinuationProblem
 from rodgen.analyse.pencil import DensePencil, MatrixPencil
@@ -54,9 +55,12 @@ class ParameterPlane:
 
     def evaluate(self, a: float, b: float) -> MatrixPencil:
         """Linearise the scene at both values, without interpolation."""
-        dense = linearise(self.steady_state(a, b)).to_dense()
+        state = self.steady_state(a, b)
+        dense = linearise(state).to_dense()
         if self._basis is not None:
             dense = dense.project(self._basis)
+        if self._by_attack:
+            dense = attack_pencil(dense, state.airspeed)
         return MatrixPencil(*dense.parts)
 
     @cached_property
@@ -66,8 +70,13 @@ class ParameterPlane:
 
     @cached_property
     def n_added_states(self) -> int:
-        """Number of added states, whose equations of first order are the last rows."""
-        return len(self.base.system.structure.state_names)
+        """Number of states with equations of first order, which are the last rows."""
+        return self.base.n_added_states + 2 * self._by_attack
+
+    @cached_property
+    def _by_attack(self) -> bool:
+        """Whether the rod in flight may turn together with its path."""
+        return self.origin_state.turns_with_path
 
     @cached_property
     def _basis(self) -> Array | None:

@@ -291,17 +291,21 @@ def _choose_scale(plane: ParameterPlane, axis: int, given: Ends | None) -> Scale
     if same and not (turned and change.S1.any()):
         allowed = "numbers that small motions depend on"
         raise InputError("vary", plane.keys[axis], allowed)
-    squares, shapes = np.linalg.eig(np.linalg.solve(here.S2, here.S0))
+    moved = slice(0, len(here.S0) - plane.n_added_states)  # other states have no inertia
+    K, M, K_change, C_change, M_change = (
+        part[moved, moved] for part in (here.S0, here.S2, change.S0, change.S1, change.S2)
+    )
+    squares, shapes = np.linalg.eig(np.linalg.solve(M, K))
     order = np.argsort(np.abs(squares))
     squares, shapes = squares[order], shapes[:, order]
     first = int(np.argmax(np.abs(squares) > 1e-9 * np.abs(squares).max()))
     rate, shape = float(np.sqrt(abs(squares[first]))), shapes[:, first].real
     if same:
-        drag = abs(shape @ change.S1 @ shape) / abs(shape @ here.S2 @ shape)
+        drag = abs(shape @ C_change @ shape) / abs(shape @ M @ shape)
         return Scale(2 * SHARE * rate / drag if drag else size, damping=True)
     if given is not None:
         return Scale((given[1] - given[0]) / 4, curved=False)
-    felt = abs(shape @ (change.S0 - rate**2 * change.S2) @ shape) / abs(shape @ here.S0 @ shape)
+    felt = abs(shape @ (K_change - rate**2 * M_change) @ shape) / abs(shape @ K @ shape)
     return Scale(max(abs(own), 1 / felt if felt else 1.0) / 4)
 
 

@@ -58,8 +58,9 @@ class OutlineTracer:
         found = correct(boundary, u, row)
 
         def follow(way: float) -> Curve:
-            boundary.adapt_to(found.u)
-            return self._trace_on(boundary, point_at(boundary, found, way * row))
+            boundary.adapt_to(found.u)  # after the other side, whose border may have another sign
+            here = correct(boundary, found.u, row)
+            return self._trace_on(boundary, point_at(boundary, here, way * row))
 
         return follow_both_ways(follow)
 
