@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from sympy import Expr, Float, S, sqrt, tanh
+from sympy import Expr, Float, S, atan2, sqrt, tanh
 
 from ..chain import Vector, direction
 from ..generic_chain import GenericChain
@@ -40,6 +40,12 @@ class AirForce(PointLaw):
         x, y = (sum((x * of[at] for at, x in moving), S.Zero) for of in (joint_vx, joint_vy))
         _, _, along, across = self.against_air(PointMotion((S.Zero, S.Zero), (x, y), angle))
         return {"along": along, "across": across}
+
+    def measures(self, chain: GenericChain) -> dict[str, Expr]:
+        """Speed of its point against the air [m/s], and the angle of attack from the way of its
+        link towards the nose to that velocity [rad], which has no derivative at rest."""
+        along, across = self.flow(chain).values()
+        return {"airspeed": sqrt(along**2 + across**2), "attack": atan2(-across, -along)}
 
     @property
     def _half_mass(self) -> Expr:

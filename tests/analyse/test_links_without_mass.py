@@ -16,7 +16,7 @@ from rodgen import Scene
 from rodgen.analyse.massless import regular_pencil
 from rodgen.analyse.pencil import DensePencil
 from rodgen.analyse.steady_rod import SteadyRod
-from rodgen.analyse.steady_state import find_steady_state, linearise
+from rodgen.analyse.steady_state import find_steady_state, pencil_about
 from rodgen.errors import AnalysisError, InputError
 
 PUSHED = {"follower": {"force": 1.0}}
@@ -163,7 +163,7 @@ def test_slow_motions_beside_fast_ones_to_50_digits() -> None:
     """Of links of 1e-9 kg between masses of 1 kg, whose rates are 1e4 times as large."""
     scene = _rod(1e-9, TWO, 4, PUSHED | {"material_damping": {"time": 0.05}})
     found = rodgen.natural_modes(scene, 2)
-    whole = linearise(find_steady_state(SteadyRod.of(rodgen.System(scene)))).to_dense()
+    whole = pencil_about(find_steady_state(SteadyRod.of(rodgen.System(scene)))).to_dense()
     K, C, M = whole.parts
     with mp.workdps(50):
         inverse = mp.matrix(M) ** -1

@@ -15,7 +15,7 @@ from rodgen.analyse.modal import MOST_DENSE, NONE, ModalEquations, ModalMotions,
 from rodgen.analyse.pencil import BlockPencil, DensePencil, MatrixPencil
 from rodgen.analyse.scaled_load import ScaledLoad
 from rodgen.analyse.steady_rod import SteadyRod
-from rodgen.analyse.steady_state import SteadyState, find_steady_state, linearise
+from rodgen.analyse.steady_state import SteadyState, find_steady_state, pencil_about
 from rodgen.arrays import Array
 from rodgen.errors import AnalysisError
 from rodgen.model.terms import TERMS
@@ -50,7 +50,7 @@ class LoadFamily:
         )
         if self.straight:
             self._start, self._far = (
-                linearise(self.steady_state(P)) for P in (0.0, FAR * self.unit)
+                pencil_about(self.steady_state(P)) for P in (0.0, FAR * self.unit)
             )
 
     def steady_state(self, force: float) -> SteadyState:
@@ -67,7 +67,7 @@ class LoadFamily:
     def linearise(self, force: float) -> BlockPencil | DensePencil:
         """Linearised equations under a load."""
         if not self.straight:
-            return linearise(self.steady_state(force))
+            return pencil_about(self.steady_state(force))
         x, first, last = force / (FAR * self.unit), self._start, self._far
         pairs = zip(first.parts, last.parts, strict=True)
         K, C, M = (a + x * (b - a) for a, b in pairs)

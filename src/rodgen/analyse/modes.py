@@ -36,7 +36,7 @@ from rodgen.analyse.massless import regular_pencil
 from rodgen.analyse.modal import CRUDE, ROUNDING
 from rodgen.analyse.pencil import BlockPencil, DensePencil
 from rodgen.analyse.steady_rod import TIME, StateResult, SteadyRod, state_after
-from rodgen.analyse.steady_state import SteadyState, find_steady_state, linearise
+from rodgen.analyse.steady_state import SteadyState, find_steady_state, pencil_about
 from rodgen.arrays import Array
 from rodgen.display import Plottable
 from rodgen.errors import InputError
@@ -232,7 +232,7 @@ def modes_about(state: SteadyState, count: int) -> Modes:
         reduced = regular_pencil(state.dense_pencil(whole=rod.has_feedback))
         pencil: BlockPencil | DensePencil = reduced.pencil
     else:
-        pencil = state.dense_pencil(whole=True) if rod.has_feedback else linearise(state)
+        pencil = state.dense_pencil(whole=True) if rod.has_feedback else pencil_about(state)
     found = _find_eigenvalues(state, pencil, count)
     s, vectors = found.s, found.vectors
     if reduced is not None:

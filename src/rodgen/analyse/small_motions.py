@@ -19,7 +19,7 @@ from rodgen.analyse.modal import (
     NeutralMotions,
 )
 from rodgen.analyse.pencil import BlockPencil, DensePencil
-from rodgen.analyse.steady_state import SteadyState, linearise
+from rodgen.analyse.steady_state import SteadyState, pencil_about
 from rodgen.arrays import Array
 from rodgen.errors import AnalysisError
 
@@ -67,7 +67,7 @@ class SmallMotions:
         return ModalMotions(s, np.where(np.abs(s) <= self.rigid, 0.0, growth))
 
     def _linearise(self, state: SteadyState) -> BlockPencil | DensePencil:
-        return linearise(state, self.smooth)
+        return pencil_about(state, self.smooth)
 
     def count_unstable(self, state: SteadyState) -> int:
         """Number of unstable directions: one of a motion that diverges, two of one that

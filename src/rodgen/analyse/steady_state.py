@@ -452,7 +452,7 @@ def _light_pencil(state: SteadyState, smooth: bool) -> DensePencil:
     return replace(dense.project(basis), bend=basis.T @ np.linspace(0.0, 1.0, dense.size))
 
 
-def linearise(state: SteadyState, smooth: bool = False) -> BlockPencil | DensePencil:
+def pencil_about(state: SteadyState, smooth: bool = False) -> BlockPencil | DensePencil:
     """Linearise about a steady state; in O(n) where no velocity of a joint counts, as without
     external damping. With links without mass the equations are dense, with a singular mass
     matrix."""

@@ -8,7 +8,7 @@ which each uses only earlier ones. No mechanics.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Collection, Iterable, Mapping
 
 from sympy import (
     Eq,
@@ -83,16 +83,18 @@ class Analysis:
         outputs: Mapping[str, tuple[Domain, Expr]],
         tangents: Mapping[str, frozenset[str]],
         values: Iterable[str],
+        by: Collection[str] | None = None,
     ) -> list[Statement]:
         """The statements that compute the values of some outputs, then the tangents of some.
 
-        tangents: outputs whose tangent is wanted, each with what it is not differentiated by.
+        tangents: outputs whose tangent is wanted, each with what it is not differentiated by; by:
+        numbers that are differentiated by, None for the state.
         """
         for name, (domain, expr) in outputs.items():
             self._add(name, domain, expr)
         self._define_numbers()
         wanted = list(values)
-        differentiate = Tangents(self.statements, self.elements)
+        differentiate = Tangents(self.statements, self.elements, by)
         for name, fixed in tangents.items():
             wanted += [d for d in (differentiate(name, fixed),) if d is not None]
         self._define_numbers()

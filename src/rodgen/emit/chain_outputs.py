@@ -244,6 +244,19 @@ class ChainFunctions:
         return self.compiler.compile(outputs, tangents=tangents, values=values)
 
     @cached_property
+    def input_names(self) -> tuple[str, ...]:
+        """Names of the inputs: single numbers of loads that may be laws."""
+        rows = self.structure.load_rows.values()
+        given = (one for row in rows for one in row.parameters if one.timed and not one.is_array)
+        return tuple(dict.fromkeys(one.name for one in given))
+
+    def inputs(self) -> Program:
+        """Program of the derivatives of the rates by the inputs, likewise."""
+        outputs, tangents, values = self.derivatives
+        by = self.input_names
+        return self.compiler.compile(outputs, tangents=tangents, values=values, by=by)
+
+    @cached_property
     def newton(self) -> NewtonMatrix:
         """Derivatives that make up a Newton matrix."""
         of_rod = self.equations, self.laws, self.compiler.link, self.n_links

@@ -165,6 +165,12 @@ def _context(
         "added": added,
         "added_rates": structure.open_rates,
         "signal_names": _signal_names(functions),
+        "input_names": functions.input_names,
+        "input_text": _tuple_code(functions.input_names),
+        "measured": {
+            name: max(over.count, 0) if over.indices else 0
+            for name, (over, _) in functions.measures.items()
+        },
         "contact_names": functions.contacts,
         "air_names": functions.air,
         "cubic": any(e.has_cubic for e in (*texts.values(), *laws)),

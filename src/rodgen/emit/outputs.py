@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache, cached_property
 
@@ -156,11 +156,30 @@ class Functions(ChainFunctions):
     @cached_property
     def air(self) -> Outputs:
         """Velocities of points against the air."""
-        loads = self.equations.loads.items()
-        flows = (
-            (name, load.flow(self.equations)) for name, load in loads if isinstance(load, AirForce)
-        )
-        return scalar_outputs({f"{of}_{x}": e for x, flow in flows for of, e in flow.items()})
+        return self._of_air(AirForce.flow)
+
+    def _of_air(self, what: Callable[[AirForce, GeneralEquations], Mapping[str, Expr]]) -> Outputs:
+        """What is known of the air at every point that it pushes."""
+        equations, loads = self.equations, self.equations.loads.items()
+        found = ((x, what(load, equations)) for x, load in loads if isinstance(load, AirForce))
+        return scalar_outputs({f"{of}_{x}": e for x, every in found for of, e in every.items()})
+
+    @cached_property
+    def measures(self) -> Outputs:
+        """What may be measured of a rod: places, moments, and airspeeds and angles of attack."""
+        observed = self.observables
+        places = observed["joints"] | observed["centre"] | observed["bending"]
+        return places | self._of_air(AirForce.measures)
+
+    def measure_slopes(self) -> dict[str, Program]:
+        """Programs of the derivatives of what may be measured, by the state and by the inputs."""
+        measures, inputs = self.measures, self.input_names
+        tangents = dict.fromkeys(measures, frozenset[str]())
+        ways = {"measured_by_state": None, "measured_by_inputs": inputs}
+        return {
+            name: self.compiler.compile(measures, tangents=tangents, values=(), by=by)
+            for name, by in ways.items()
+        }
 
     def kinetics(self) -> dict[str, Program]:
         """Programs of momenta, the moment of the clamps, forces of supports, and curvatures, for

@@ -67,16 +67,17 @@ class Compiler:
         outputs: Outputs,
         tangents: Mapping[str, frozenset[str]] | None = None,
         values: Iterable[str] | None = None,
+        by: Collection[str] | None = None,
     ) -> AnalysedFunction:
         """The statements of a function in phases, not written yet.
 
         tangents: outputs whose tangent is wanted; values: those whose value is (all, if not
-        given).
+        given); by: numbers that tangents are by (the state, if not given).
         """
         known = self._constants, self.parameters, self.numbers
         analysis = Analysis(self.links, self.link, self.arrays, *known)
         wanted = outputs if values is None else values
-        statements = analysis.run(outputs, tangents or {}, wanted)
+        statements = analysis.run(outputs, tangents or {}, wanted, by)
         summed = {st.terms.name for st in statements if st.terms}
         kept = [st for st in statements if st.name not in summed]
         given = [*wanted, *(f"d_{name}" for name in tangents or ())]
@@ -91,11 +92,12 @@ class Compiler:
         values: Iterable[str] | None = None,
         given: Mapping[str, Domain] | None = None,
         writer: type[ArrayWriter] = ArrayWriter,
+        by: Collection[str] | None = None,
     ) -> Program:
         """The statements of a function, written for NumPy or, in targets of extensions, by another
         writer; batch: for states along leading axes; given: arrays from outside that do not start
-        at link 0, in place of the unknowns; tangents, values: as in analyse."""
-        analysed = self.analyse(outputs, tangents, values)
+        at link 0, in place of the unknowns; tangents, values, by: as in analyse."""
+        analysed = self.analyse(outputs, tangents, values, by)
         analysis, statements = analysed.analysis, analysed.statements
         given = given or dict.fromkeys(self.solve.unknowns, self.solve.domain)
         written = writer(analysis, statements, batch, given, self.clocked)

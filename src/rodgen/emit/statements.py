@@ -1,5 +1,5 @@
 """Statements over domains, of which generated functions are made, in their order; and their
-tangents, derivatives of each quantity along many directions of the state.
+tangents, derivatives of each quantity along many directions of the state or of other numbers.
 
 What they read of arrays are plain symbols, which SymPy shares and sorts like any other:
 ``phi[i-1]`` is the symbol of that name, and a table knows that it reads the array phi one before
@@ -9,7 +9,7 @@ derivatives are SymPy's.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Collection, Iterable, Iterator
 from dataclasses import dataclass, field
 
 from sympy import Add, Expr, Piecewise, S, Symbol
@@ -24,8 +24,10 @@ DIRECTION = Symbol("direction", integer=True)
 VALUE, CASES, PREFIX, SUFFIX, TOTAL = "value", "cases", "prefix", "suffix", "total"
 SUMS = (PREFIX, SUFFIX, TOTAL)
 
-# What a tangent may start from: the state, and unknowns of a system that is solved in between.
-ACTIVE = ("x0", "y0", "phi", "omega", "vx0", "vy0", "lambda_x", "lambda_y", "tension")
+# What a tangent may start from: unknowns of a system that is solved in between, and by default the
+# state, of which added states have names of their own.
+SOLVED = ("lambda_x", "lambda_y", "tension")
+OF_STATE = ("x0", "y0", "phi", "omega", "vx0", "vy0")
 
 
 class Axes:
@@ -208,19 +210,33 @@ class Program:
 class Tangents:
     """Differentiation of statements, which adds their tangents to them."""
 
-    def __init__(self, statements: dict[str, Statement], elements: Elements):
-        self._statements, self._elements = statements, elements
+    def __init__(
+        self,
+        statements: dict[str, Statement],
+        elements: Elements,
+        by: Collection[str] | None = None,
+    ):
+        """by: names of the numbers that are differentiated by, None for the state."""
+        self._statements, self._elements, self._by = statements, elements, by
         self._known: dict[str, bool] = {}
 
     def __call__(self, name: str, fixed: Iterable[str] = ()) -> str | None:
-        """Name of the tangent of a quantity, or None where it does not follow the state; ``fixed``:
-        what it is not differentiated by."""
+        """Name of the tangent of a quantity, or None where it follows nothing that is
+        differentiated by; ``fixed``: what else it is not differentiated by."""
         if name not in self._known:
-            if name not in self._statements:
-                self._known[name] = name in ACTIVE or name.startswith(STATE)
+            if self._is_start(name):
+                self._known[name] = True
+            elif name not in self._statements:
+                self._known[name] = False
             else:
                 self._known[name] = self._differentiate(self._statements[name], frozenset(fixed))
         return f"d_{name}" if self._known[name] else None
+
+    def _is_start(self, name: str) -> bool:
+        """Whether a tangent may start from a quantity, whatever that follows."""
+        if self._by is not None:
+            return name in self._by or name in SOLVED
+        return name in OF_STATE or name in SOLVED or name.startswith(STATE)
 
     def _differentiate(self, st: Statement, fixed: frozenset[str]) -> bool:
         """Add the tangent of a statement; False where it is zero."""

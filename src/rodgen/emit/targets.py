@@ -22,6 +22,7 @@ PARTS = {
     "rhs": ("rhs",),
     "batch": ("rhs_batch",),
     "jac": ("jac",),
+    "inputs": ("inputs", "outputs", "INPUTS"),
     "mass": ("mass_matrix",),
     "balance": ("balance",),
     "implicit": ("implicit",),
@@ -45,6 +46,7 @@ COMMON = ("mass", "balance", "implicit", "power", "quantities", "kinetics")
 STEPS = ("flow", "newton")
 ASKED = (
     *STEPS,
+    "inputs",
     "kinetics",
     "tangents",
     "lanes",

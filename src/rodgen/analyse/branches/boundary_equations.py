@@ -14,7 +14,7 @@ from rodgen.analyse.crossing import Border, Flutter, crossing_kind
 from rodgen.analyse.curves.curve import ContinuationProblem
 from rodgen.analyse.pencil import DensePencil, MatrixPencil
 from rodgen.analyse.steady_rod import SteadyRod
-from rodgen.analyse.steady_state import SteadyState, find_steady_state, linearise
+from rodgen.analyse.steady_state import SteadyState, find_steady_state, pencil_about
 from rodgen.arrays import Array
 from rodgen.errors import AnalysisError, InputError
 from rodgen.system import System
@@ -56,7 +56,7 @@ class ParameterPlane:
     def evaluate(self, a: float, b: float) -> MatrixPencil:
         """Linearise the scene at both values, without interpolation."""
         state = self.steady_state(a, b)
-        dense = linearise(state).to_dense()
+        dense = pencil_about(state).to_dense()
         if self._basis is not None:
             dense = dense.project(self._basis)
         if self._by_attack:
@@ -81,7 +81,7 @@ class ParameterPlane:
     @cached_property
     def _basis(self) -> Array | None:
         """Basis of the motions without the turning of the whole rod, if it can turn freely."""
-        linear = linearise(self.origin_state)
+        linear = pencil_about(self.origin_state)
         if isinstance(linear, DensePencil) or not self.origin_state.has_free_rotation:
             return None
         dense = linear.to_dense()

@@ -25,7 +25,7 @@ from rodgen.analyse.pencil import BlockPencil, Linear, MatrixPencil
 from rodgen.analyse.scaled_load import RodRange
 from rodgen.analyse.small_motions import SmallMotions, growing_eigenvalues
 from rodgen.analyse.steady_rod import SteadyRod, Unknowns
-from rodgen.analyse.steady_state import SteadyState, linearise, unloaded_state
+from rodgen.analyse.steady_state import SteadyState, pencil_about, unloaded_state
 from rodgen.arrays import Array
 from rodgen.errors import AnalysisError
 
@@ -132,7 +132,7 @@ class Equilibria(ContinuationProblem):
         """Linearised equations at u for a motion with a rate s. If it does not oscillate (s = 0),
         the turning of a free rod as a whole is left out."""
         here = self.steady_state(u)
-        linear = linearise(here)
+        linear = pencil_about(here)
         if not s and isinstance(linear, BlockPencil):
             return MatrixPencil.without_rotation(linear, here.free_rotation)
         return linear
@@ -221,7 +221,7 @@ def has_doubtful_counts(problem: Equilibria, curve: Curve) -> bool:
         if point.unstable is None:
             continue
         state = problem.steady_state(point.u)
-        found = FullSpectrum.of(linearise(state).to_dense(), growing.lowest)
+        found = FullSpectrum.of(pencil_about(state).to_dense(), growing.lowest)
         if is_contradiction(found, growing.motions(state), growing.lowest):
             return True
     return False

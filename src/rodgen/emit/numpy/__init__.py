@@ -20,11 +20,13 @@ def _programs(
         made["rhs"] = functions.dense() if form == "dense" else functions.chain()
     if "jac" in parts:
         made["jac"] = functions.jac()
+    if "inputs" in parts:
+        made |= {"inputs": functions.inputs(), **functions.measure_slopes()}
     return made, {}
 
 
 TARGET = Target(
     templates={"chain": {"py": "numpy/chain.py.jinja"}, "dense": {"py": "numpy/dense.py.jinja"}},
-    parts=("rhs", "jac", "tangents"),
+    parts=("rhs", "jac", "inputs", "tangents"),
     programs=_programs,
 )
