@@ -20,6 +20,8 @@ from rodgen.analyse.description import Description as Description
 from rodgen.analyse.description import describe as describe
 from rodgen.analyse.extrapolation import Extrapolation as Extrapolation
 from rodgen.analyse.extrapolation import richardson as richardson
+from rodgen.analyse.linear_model import LinearModel as LinearModel
+from rodgen.analyse.linearisation import linearise as linearise
 from rodgen.analyse.modes import Modes as Modes
 from rodgen.analyse.modes import natural_modes as natural_modes
 from rodgen.analyse.precision.work_precision import WorkPrecision as WorkPrecision

@@ -29,7 +29,7 @@ R = TypeVar("R")
 STATIC, EQUILIBRIA, MODES, CRITICAL = "an equilibrium", "all equilibria", "modes", "a critical load"
 BRANCH, BOUNDARY, CYCLE = "a branch", "a boundary", "a cycle"
 EXPONENTS, FLOQUET, PRECISION = "exponents", "multipliers", "a comparison of methods"
-SHOW = "the fastest motion"
+SHOW, LINEAR = "the fastest motion", "a linear model"
 
 Bounds = tuple[float, float]
 OpenBounds = tuple[float | None, float | None]
@@ -87,6 +87,7 @@ SIZES = {
     FLOQUET: MemoryNeed(10e3, 1500),
     PRECISION: MemoryNeed(100e3),
     SHOW: MemoryNeed(1.2e3),
+    LINEAR: MemoryNeed(10e3, 1500),
 }
 TANGENT = 256.0  # bytes for every number of a tangent
 SHAPE = 200.0  # for every link of a mode

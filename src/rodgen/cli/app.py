@@ -32,7 +32,7 @@ ELSEWHERE = {
 ORDER = (
     *("scenes", "new", "derive", "run", "view", "animate", "check", "show", "modes", "static"),
     *("critical", "branch", "boundary", "exponents", "cycle", "cycle-branch", "nonlinear-mode"),
-    *("precision", "study"),
+    *("linearise", "precision", "study"),
 )
 
 

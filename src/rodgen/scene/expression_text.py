@@ -156,9 +156,12 @@ class ExpressionText:
             names = self._values | {self.variable: at} | dict(signals)
             return grammar.evaluate(self._tree, names, functions)
 
-    def derivative(self, at: Any, signals: Mapping[str, Any], order: int = 1) -> Any:
-        """Derivative by the variable, or one of a higher order, given values of its signals."""
-        tree = self._derivative_tree(self.variable, order)
+    def derivative(
+        self, at: Any, signals: Mapping[str, Any], order: int = 1, by: str | None = None
+    ) -> Any:
+        """Derivative by the variable, or one of a higher order, given values of its signals; by: a
+        number in it that has a name, in place of the variable."""
+        tree = self._derivative_tree(self.variable if by is None else by, order)
         with np.errstate(all="ignore"):
             names = self._values | {self.variable: at} | dict(signals)
             return 0.0 if tree is None else grammar.evaluate(tree, names)

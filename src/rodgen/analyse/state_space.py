@@ -1,0 +1,103 @@
+"""Linear equations x' = A x + B u + rates, y = C x + D u + values, and smaller ones that behave
+alike."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+import scipy
+
+from rodgen.arrays import Array
+from rodgen.errors import AnalysisError
+
+ALIKE = 1e-6  # of a modulus: two eigenvalues that are not told apart
+UNSEEN = 1e-10  # of the matrices: a direction that is not reached but by rounding
+
+
+class StateSpace(NamedTuple):
+    """Matrices A (states, states), B (states, inputs), C (outputs, states), D (outputs, inputs),
+    and what is constant: rates (states,), values (outputs,)."""
+
+    A: Array
+    B: Array
+    C: Array
+    D: Array
+    rates: Array
+    values: Array
+
+    def project(self, left: Array, right: Array) -> StateSpace:
+        """Equations of z with x = right z (states, k) and z = left x (k, states)."""
+        A, B, C = left @ self.A @ right, left @ self.B, self.C @ right
+        return StateSpace(A, B, C, self.D, left @ self.rates, self.values)
+
+    @property
+    def dual(self) -> StateSpace:
+        """Equations whose inputs are its outputs."""
+        nothing = np.zeros(len(self.D.T))
+        return StateSpace(self.A.T, self.C.T, self.B.T, self.D.T, 0 * self.rates, nothing)
+
+    def equilibrate(self) -> tuple[StateSpace, Array]:
+        """Scale the states by powers of two, so that rows and columns of A are alike; return the
+        factors (states,), of the states in place of the scaled ones, too."""
+        _, (scale, _) = scipy.linalg.matrix_balance(self.A, permute=False, separate=True)
+        return self.project(np.diag(1 / scale), np.diag(scale)), scale
+
+
+def slow_part(of: StateSpace, count: int) -> tuple[StateSpace, Array]:
+    """Part of at least ``count`` eigenvalues, those of smallest modulus, and x over its states
+    (states, k). All that is faster follows at once, so that the static gain is kept: D and the
+    values have its part.
+
+    By an ordered Schur form and a Sylvester equation (G. H. Golub and C. F. Van Loan, Matrix
+    Computations, 4th ed., 7.6), which need no eigenvectors: rigid motions have too few. Raises
+    AnalysisError where the parts cannot be separated.
+    """
+    scaled, scale = of.equilibrate()
+    sizes = np.sort(np.abs(np.linalg.eigvals(scaled.A)))
+    while count < len(sizes) and sizes[count] <= sizes[count - 1] * (1 + ALIKE):
+        count += 1
+    if count >= len(sizes):
+        return of, np.eye(len(sizes))
+    cut = np.sqrt(sizes[count - 1] * sizes[count]) or sizes[count] / 2
+    T, Z, kept = scipy.linalg.schur(scaled.A, sort=lambda re, im: np.hypot(re, im) <= cut)
+    try:
+        mixed = scipy.linalg.solve_sylvester(T[:kept, :kept], -T[kept:, kept:], -T[:kept, kept:])
+        ahead = np.linalg.inv(T[kept:, kept:])
+    except np.linalg.LinAlgError:
+        kept = 0
+    if kept != count:
+        raise AnalysisError(f"{count} eigenvalues cannot be told from the next ones")
+    slow, rest = Z[:, :kept], Z[:, kept:]
+    made = scaled.project(slow.T - mixed @ rest.T, slow)
+    fast = scaled.project(rest.T, slow @ mixed + rest)
+    at_once = -fast.C @ ahead
+    return made._replace(D=of.D + at_once @ fast.B, values=of.values + at_once @ fast.rates), scale[
+        :, None
+    ] * slow
+
+
+def minimal_part(of: StateSpace) -> tuple[StateSpace, Array]:
+    """Part that inputs, or constant rates, reach and outputs see, and x over its states (states,
+    k), by orthogonal bases (the staircase algorithm: C. C. Paige, IEEE Trans. Autom. Control 26
+    (1981) 130-138)."""
+    scaled, scale = of.equilibrate()
+    reached = _reachable(scaled.A, np.column_stack((scaled.B, scaled.rates)))
+    made = scaled.project(reached.T, reached)
+    seen = _reachable(made.A.T, made.C.T)
+    return made.project(seen.T, seen), scale[:, None] * (reached @ seen)
+
+
+def _reachable(A: Array, B: Array) -> Array:
+    """Orthonormal basis (states, k) of what the columns of B and the powers of A reach."""
+    basis = np.zeros((len(A), 0))
+    sizes = np.linalg.norm(B, axis=0)
+    new, size = B[:, sizes > 0] / sizes[sizes > 0], 1.0
+    while new.size and basis.shape[1] < len(A):
+        for _ in range(2):  # the second time for what the first has left by rounding
+            new = new - basis @ (basis.T @ new)
+        vectors, values, _ = np.linalg.svd(new, full_matrices=False)
+        vectors = vectors[:, values > UNSEEN * size]
+        basis = np.column_stack((basis, vectors))
+        new, size = A @ vectors, float(np.linalg.norm(A, 2))
+    return basis
