@@ -30,7 +30,10 @@ STEERED: dict[str, Any] = {
         "fins": [{"at": 0.9, "normal_slope": 6.0, "area": 0.02}],
         "tip": {"x": 0.0, "y": 1.0},
     },
-    "states": {"gimbal": {"rate": "(command - 0.4*omega(0.3) - gimbal)/lag"}},
+    "states": {
+        "filtered": {"rate": "omega(0.3) - 2*filtered"},
+        "gimbal": {"rate": "(command - 0.4*filtered - gimbal)/lag"},
+    },
     "initial": {"phi": "-pi/2", "velocity": [0.0, 30.0]},
     "integrate": {"span": [0.0, 1.0], "rtol": 1e-11, "atol": 1e-13},
 }
@@ -74,7 +77,14 @@ def test_matrices_are_derivatives_in_fifty_digits() -> None:
     scene, t = steered(), 0.25
     y = bent_state(scene)
     inputs = [SIDEWAYS, "states.gimbal", "parameters.command"]
-    outputs = ["omega(0.3)", "x(1) - x(0)", "bending_moment_2", "phi_1", "attack_fins", "y(0.6)"]
+    outputs = [
+        "omega(0.3) + 2*command",
+        "x(1) - x(0)",
+        "bending_moment_2",
+        "phi_1",
+        "attack_fins",
+        "y(0.6)",
+    ]
     model = rodgen.linearise(scene, inputs, outputs, about=y, t=t)
     module = rodgen.build(scene)
     values = dict(scene.parameters)
@@ -90,7 +100,7 @@ def test_matrices_are_derivatives_in_fifty_digits() -> None:
             rates = of.rhs()
             phi, omega = (y + change)[2:6], (y + change)[8:12]
             measured = [
-                mpmath.mpf(omega[1]),
+                mpmath.mpf(omega[1]) + 2 * mpmath.mpf((values | given)["command"]),
                 joints[-1][0] - joints[0][0],
                 of.bending_moments()[2],
                 mpmath.mpf(phi[1]),
@@ -248,6 +258,15 @@ def test_about_the_start_and_after_a_run() -> None:
     assert later.t == 0.5
     np.testing.assert_allclose(later.rates, rhs(0.5, run.y[-1], system.p))
     assert [note.kind for note in later.notes] == ["remark"]
+
+
+def test_a_steady_flight_is_where_the_scene_has_it() -> None:
+    scene = steered({"initial.position": [3.0, 50.0], "air.wind": [0.0, 0.0]})
+    still = scene.replace({"parameters": None, "states": None, ANGLE: 0.0, "loads.tip": None})
+    model = rodgen.linearise(still, outputs=["joint_0_y"], speed=25.0)
+    np.testing.assert_allclose(model.point[:2], [3.0, 50.0])
+    np.testing.assert_allclose(model.rates[:2], [0.0, 25.0], atol=1e-12)
+    assert model.output_values == pytest.approx(50.0)
 
 
 def test_masses_that_change_count_as_in_rhs() -> None:

@@ -257,14 +257,14 @@ class LinearPoint:
         place = find_place(name, self.system.scene)
         assert place is not None
         try:
-            slopes = [part[place.joint] for part in self._measured[place.name]]
+            by_state, by_inputs = (part[place.joint] for part in self._measured[place.name])
             unit, value = self._measure(name)
         except IndexError:
             joints = f"0 to {self.system.structure.n_links}"
             raise InputError("outputs", name, f"of a joint of the rod, {joints}") from None
-        if not all(np.isfinite(part).all() for part in slopes):
+        if not (np.isfinite(by_state).all() and np.isfinite(by_inputs).all()):
             raise InputError("outputs", name, "absent at rest, where it has no derivative")
-        return OutputSignal(value, unit, *slopes, np.zeros(len(self.state)))
+        return OutputSignal(value, unit, by_state, by_inputs, np.zeros(len(self.state)))
 
     @cached_property
     def _measured(self) -> dict[str, tuple[Array, Array]]:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -110,14 +110,12 @@ def linearise(
     point = LinearPoint.of(found.system, measured, found.t, found.state)
     into, out = [*map(point.input, keys)], [*map(point.output, measured)]
     size, n_inputs = len(point.state), len(point.model.INPUTS)
-    moved, weights, more = (
-        np.reshape([one[at] for one in into], (len(into), width)).T
-        for at, width in ((2, size), (3, n_inputs), (4, size))
-    )
-    by_state, by_inputs, by_rates = (
-        np.reshape([one[at] for one in out], (len(out), width))
-        for at, width in ((2, size), (3, n_inputs), (4, size))
-    )
+    moved = _rows([one.states for one in into], size).T
+    weights = _rows([one.weights for one in into], n_inputs).T
+    more = _rows([one.rates for one in into], size).T
+    by_state = _rows([one.by_state for one in out], size)
+    by_inputs = _rows([one.by_inputs for one in out], n_inputs)
+    by_rates = _rows([one.by_rates for one in out], size)
     B = point.by_state @ moved + point.by_inputs @ weights + more
     rates = point.rates[kept]
     parts = point.by_state[np.ix_(kept, kept)], B[kept], by_state[:, kept], rates
@@ -144,6 +142,11 @@ def linearise(
         system=found.system.steady(found.t),
     )
     return model.with_notes((*_kink_doubts(point), *_motion_remarks(model)))
+
+
+def _rows(vectors: Sequence[Array], width: int) -> Array:
+    """Matrix (vectors, width) of vectors, of which there may be none."""
+    return np.reshape(vectors, (len(vectors), width))
 
 
 def _find_point(
