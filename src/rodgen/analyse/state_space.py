@@ -31,12 +31,6 @@ class StateSpace(NamedTuple):
         A, B, C = left @ self.A @ right, left @ self.B, self.C @ right
         return StateSpace(A, B, C, self.D, left @ self.rates, self.values)
 
-    @property
-    def dual(self) -> StateSpace:
-        """Equations whose inputs are its outputs."""
-        nothing = np.zeros(len(self.D.T))
-        return StateSpace(self.A.T, self.C.T, self.B.T, self.D.T, 0 * self.rates, nothing)
-
     def equilibrate(self) -> tuple[StateSpace, Array]:
         """Scale the states by powers of two, so that rows and columns of A are alike; return the
         factors (states,), of the states in place of the scaled ones, too."""
