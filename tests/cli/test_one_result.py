@@ -59,6 +59,25 @@ CASES = [
     Case("run", TURNED, (), lambda: rodgen.simulate(TURNED, progress=False), True),
     Case("show", TURNED, (), lambda: rodgen.describe(TURNED), True),
     Case("modes", ZIEGLER, ("--count", 2), lambda: rodgen.natural_modes(ZIEGLER, 2), True),
+    Case(
+        *("linearise", COLUMN),
+        (
+            "--input",
+            "loads.follower.angle",
+            "--output",
+            "phi(1)",
+            "--output",
+            "tip_x",
+            "--modes",
+            2,
+            "--minimal",
+        ),
+        lambda: (
+            rodgen.linearise(COLUMN, ["loads.follower.angle"], ["phi(1)", "tip_x"])
+            .minimal()
+            .reduce(2)
+        ),
+    ),
     Case("static", BENT, (), lambda: rodgen.static_equilibrium(BENT), True),
     Case("static", BENT, ("--all",), lambda: rodgen.static_equilibria(BENT)),
     Case("critical", COLUMN, ("--bounds", ",40"), lambda: _critical(bounds=(None, 40.0))),

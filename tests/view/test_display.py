@@ -34,6 +34,7 @@ SHOWN: dict[str, Callable[[Any], str]] = {
     "Scene": lambda one: "30",
     "Solution": lambda one: f"{one.tip[-1, 0]:.6g}",
     "Modes": lambda one: f"{one.frequencies[0]:.10g}",
+    "LinearModel": lambda one: f"{one.point[2]:.6g}",
     "Equilibrium": lambda one: f"{one.tip[1]:.12g}",
     "Critical": lambda one: f"{one.frequency:.12g}",
     "Cycle": lambda one: "0.2",

@@ -39,26 +39,30 @@ def _hide_in_equilibrium(found: LinearModel) -> str | None:
 
 @dataclass(frozen=True, repr=False)
 class LinearModel(StateResult, Plottable):
-    """Linear model x' = A x + B u + rates, y = output_values + C x + D u, of small changes.
+    """Linear model x' = rates + A x + B u, y = output_values + C x + D u, of small changes.
 
-    A (states, states), B (states, inputs), C (outputs, states), D (outputs, inputs): x are changes
-    of the states, u of the inputs; states, inputs, outputs: their names, with state_units,
-    input_units, output_units (in SI units, powers as in "kg m^2"); point (states,), input_values,
-    output_values: what changes are from; rates (states,): x' without changes, zero about an
-    equilibrium; basis (rod states, states): changes of the rod's states over x; about: the state
-    in words; notes: why a number may be doubted, and what to know; system: the rod, with the loads
-    of one time.
+    A: of the rates by the states, (states, states), in SI units; B: of the rates by the inputs,
+    (states, inputs), in SI units; C: of the outputs by the states, (outputs, states), in SI units;
+    D: of the outputs by the inputs, (outputs, inputs), in SI units; rates: of the states without
+    changes, (states,), in SI units, zero about an equilibrium; states: their names; state_units:
+    units of them, such as rad/s; point: where their changes begin, (states,), in SI units; inputs:
+    their names; input_units: units of them; input_values: where their changes begin, (inputs,), in
+    SI units, not-a-number of one with several values; outputs: their names; output_units: units of
+    them; output_values: outputs without changes, (outputs,), in SI units; basis: changes of the
+    rod's states over those of the model, (rod's states, states), in SI units; about: the state in
+    words; notes: what makes it doubtful, and what to know; system: the rod, with the loads of one
+    time.
 
     Examples
     --------
     >>> import rodgen
-    >>> model = rodgen.linearise(
-    ...     rodgen.Scene.example("missile"), ["loads.follower.angle"], ["omega(0.2)"], speed=0.0)
-    >>> model.A.shape, model.B.shape, model.C.shape, model.inputs, model.output_units
-    ((44, 44), (44, 1), (1, 44), ('loads.follower.angle',), ('rad/s',))
+    >>> missile = rodgen.Scene.example("missile")
+    >>> model = rodgen.linearise(missile, ["loads.follower.angle"], ["omega(0.2)"], t=1.0)
+    >>> model.A.shape, model.B.shape, model.C.shape, model.output_units, model.in_equilibrium
+    ((44, 44), (44, 1), (1, 44), ('rad/s',), False)
     >>> small = model.minimal().reduce(3)
-    >>> len(small.states), small.to_scipy().A.shape == small.A.shape
-    (6, True)
+    >>> len(small.states), small.to_scipy().A.shape == small.A.shape, small.stable
+    (7, True, False)
     """
 
     A: Array
@@ -116,8 +120,8 @@ class LinearModel(StateResult, Plottable):
 
     @property
     def static_gain(self) -> Array:
-        """Outputs over inputs that do not change (outputs, inputs); not-a-number where a state goes
-        on by itself."""
+        """Outputs over inputs that do not change (outputs, inputs), in SI units; not-a-number where
+        a state goes on by itself."""
         try:
             return self.D - self.C @ np.linalg.solve(self.A, self.B)
         except np.linalg.LinAlgError:
@@ -149,15 +153,15 @@ class LinearModel(StateResult, Plottable):
         Raises InputError for what is no whole number above zero.
         """
         count = 2 * check_whole_number(modes, "modes", 1)
-        return self._of_part(*slow_part(self.state_space, count))
+        return self._of_part(*slow_part(self._state_space, count))
 
     def minimal(self) -> LinearModel:
         """The model without what no input reaches or no output sees, such as the fall of a rod
         whose angles are measured; inputs and outputs are as they were."""
-        return self._of_part(*minimal_part(self.state_space))
+        return self._of_part(*minimal_part(self._state_space))
 
     @property
-    def state_space(self) -> StateSpace:
+    def _state_space(self) -> StateSpace:
         """Its matrices and constants."""
         return StateSpace(self.A, self.B, self.C, self.D, self.rates, self.output_values)
 

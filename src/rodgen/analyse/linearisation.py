@@ -12,12 +12,11 @@ from rodgen.analyse.analysis_guard import LINEAR, check_analysis_memory, guard_a
 from rodgen.analyse.linear_model import ROUNDED, LinearModel
 from rodgen.analyse.linear_signals import ADDED, LinearPoint, check_names, state_unit
 from rodgen.analyse.steady_rod import SteadyRod, state_after
-from rodgen.analyse.steady_state import find_steady_state
+from rodgen.analyse.steady_state import find_steady_state, kinked_loads
 from rodgen.arrays import Array
 from rodgen.errors import AnalysisError, InputError
 from rodgen.integrate.air_doubts import air_doubts
 from rodgen.integrate.quantity_formulas import MotionSlice
-from rodgen.model.terms import TERMS
 from rodgen.result import Note, doubt, remarks
 from rodgen.scene import Scene
 from rodgen.system import System
@@ -192,7 +191,7 @@ def _kink_doubts(point: LinearPoint) -> Iterator[Note]:
     half = len(point.system.y0) - len(point.system.structure.state_names)
     if point.state[half // 2 : half].any():
         return
-    for name in (name for name in point.system.structure.loads if TERMS[name].kinked):
+    for name in kinked_loads(point.system, point.system.p):
         text = f"loads.{name} has no derivative at rest, where its force depends on the direction "
         yield doubt(f"{text}of the motion: it is left out")
 

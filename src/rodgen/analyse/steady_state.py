@@ -3,6 +3,7 @@ with the speed that a free rod has along its axis."""
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from functools import cached_property
 
@@ -20,6 +21,7 @@ from rodgen.integrate.quantity_formulas import MotionSlice
 from rodgen.integrate.weights import falls_of
 from rodgen.model.terms import TERMS
 from rodgen.result import Note, doubt, remarks
+from rodgen.system import System
 
 STEADY = 1e-9  # of the accelerations that the joint forces would cause: rounding
 ROUNDING = 2.0**-48  # of angles, relative to them: that of a shape at rest
@@ -64,12 +66,7 @@ class SteadyState:
     @property
     def has_kink(self) -> bool:
         """Whether a load that acts has no linear part about a bent state at rest."""
-        places = self.rod.scene.structure.slices
-        for term in map(TERMS.__getitem__, self.rod.scene.loads.terms):
-            place = places.get(term.parameters[0].name) if term.kinked else slice(0)
-            if place is None or self.p[place].any():  # a law has no place in p
-                return True
-        return False
+        return any(kinked_loads(self.rod.system, self.p))
 
     @property
     def description(self) -> str:
@@ -429,6 +426,15 @@ def _is_joint_at_rest(rod: SteadyRod, at: Unknowns, p: Array) -> bool:
     held = np.eye(2) - free.T @ free
     here, there = (np.abs(held @ rod.start_acceleration(one, p)).max() for one in (y, away))
     return bool(here <= STEADY * there)
+
+
+def kinked_loads(system: System, p: Array) -> Iterator[str]:
+    """Yield the names of the loads that act and have no linear part about a state at rest."""
+    places = system.structure.slices
+    for term in map(TERMS.__getitem__, system.load_terms):
+        place = places.get(term.parameters[0].name) if term.kinked else slice(0)
+        if place is None or p[place].any():  # a law has no place in p
+            yield term.name
 
 
 def has_drag(rod: SteadyRod) -> bool:
