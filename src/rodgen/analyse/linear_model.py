@@ -12,11 +12,11 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from rodgen.analyse.analysis_guard import check_whole_number
-from rodgen.analyse.state_space import StateSpace, minimal_part, slow_part
+from rodgen.analyse.state_space import StateSpace, minimal_part, slow_part, static_gain
 from rodgen.analyse.steady_rod import TIME, StateResult
 from rodgen.arrays import Array
 from rodgen.display import Plottable
-from rodgen.errors import install_command
+from rodgen.errors import InputError, install_command
 from rodgen.loading.cache import write_whole
 from rodgen.result import Note, Row, omit_from_tables
 from rodgen.scene.plain_tables import to_plain
@@ -121,18 +121,24 @@ class LinearModel(StateResult, Plottable):
     @property
     def static_gain(self) -> Array:
         """Outputs over inputs that do not change (outputs, inputs), in SI units; not-a-number where
-        a state goes on by itself."""
-        try:
-            return self.D - self.C @ np.linalg.solve(self.A, self.B)
-        except np.linalg.LinAlgError:
-            return np.full(self.D.shape, np.nan)
+        an output sees a state that the input sets going on by itself, such as a turning rod's
+        angle."""
+        return static_gain(self._state_space)
 
     def response(self, frequencies: ArrayLike) -> NDArray[np.complex128]:
         """Frequency response, outputs over inputs (frequencies, outputs, inputs).
 
-        frequencies: (k,) [Hz]. Not-a-number at the frequency of a motion without damping.
+        frequencies: (k,) [Hz]. Not-a-number at the frequency of a motion without damping. At zero
+        it is the static gain.
+
+        Raises InputError for what are no finite numbers.
         """
-        given = np.atleast_1d(np.asarray(to_plain(frequencies, "frequencies"), dtype=float))
+        try:
+            given = np.atleast_1d(np.asarray(to_plain(frequencies, "frequencies"), dtype=float))
+        except (TypeError, ValueError):
+            given = np.full(1, np.nan)
+        if given.ndim != 1 or not np.isfinite(given).all():
+            raise InputError("frequencies", frequencies, "finite numbers (k,) [Hz]")
         made = np.full((len(given), *self.D.shape), np.nan, dtype=complex)
         for at, s in enumerate(2j * np.pi * given):
             try:
@@ -140,6 +146,7 @@ class LinearModel(StateResult, Plottable):
             except np.linalg.LinAlgError:
                 continue
             made[at] = self.D + self.C @ moved
+        made[given == 0.0] = self.static_gain
         return made
 
     def reduce(self, modes: int) -> LinearModel:
@@ -147,8 +154,8 @@ class LinearModel(StateResult, Plottable):
         static gain is kept.
 
         modes: how many pairs of eigenvalues, those of smallest modulus; a mode without frequency, a
-        rigid motion of the rod, is a pair of zeros. Pairs are not split. States are combinations,
-        which `basis` tells.
+        rigid motion of the rod, is a pair of zeros. Pairs are not split, and all zeros stay
+        together: a free rod has six. States are combinations, which `basis` tells.
 
         Raises InputError for what is no whole number above zero.
         """
@@ -157,7 +164,8 @@ class LinearModel(StateResult, Plottable):
 
     def minimal(self) -> LinearModel:
         """The model without what no input reaches or no output sees, such as the fall of a rod
-        whose angles are measured; inputs and outputs are as they were."""
+        whose angles are measured; inputs and outputs are as they were. Beyond some 50 links
+        rounding hides what is not reached: reduce first."""
         return self._of_part(*minimal_part(self._state_space))
 
     @property
@@ -193,7 +201,8 @@ class LinearModel(StateResult, Plottable):
         """Convert to control.StateSpace of python-control, without the constant rates. In names,
         which may have no point there, "_" stands for it.
 
-        Raises ImportError where python-control is not installed.
+        Raises ImportError where python-control is not installed, InputError without inputs, which
+        it does not know.
         """
         try:
             import control
@@ -201,6 +210,8 @@ class LinearModel(StateResult, Plottable):
             raise ImportError(
                 f"to_control needs python-control: {install_command('control')}"
             ) from None
+        if not self.inputs:
+            raise InputError("inputs", [], "one at least in a model for python-control")
         named = {"states": self.states, "inputs": self.inputs, "outputs": self.outputs}
         words = {of: [name.replace(".", "_") for name in names] for of, names in named.items()}
         return control.ss(self.A, self.B, self.C, self.D, **words)

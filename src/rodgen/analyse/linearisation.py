@@ -166,7 +166,11 @@ def _find_point(
         raise InputError("speed", speed, f"absent: the state has one (about = {about!r})")
     if words:
         return _given_point(system, t, system.y0, "the state at the start")
-    return _given_point(system, t, system.at(y0=about).y0, "a state that was given")
+    try:
+        y = system.at(y0=[] if about is None else about).y0
+    except InputError as error:
+        raise InputError("about", about, f"{STEADY}, {START} or {error.allowed}") from None
+    return _given_point(system, t, y, "a state that was given")
 
 
 def _given_point(system: System, t: float | None, y: Array, about: str) -> _Point:

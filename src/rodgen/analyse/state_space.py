@@ -13,6 +13,9 @@ from rodgen.errors import AnalysisError
 
 ALIKE = 1e-6  # of a modulus: two eigenvalues that are not told apart
 UNSEEN = 1e-10  # of the matrices: a direction that is not reached but by rounding
+NOTHING = 4 * float(np.finfo(float).eps) ** 0.5  # of the norm: a double zero moved by rounding
+NEGLIGIBLE = 1e-12  # of the largest element of A, where states are scaled
+CANCELLED = 1e-9  # of its terms: a sum that is zero but for rounding
 
 
 class StateSpace(NamedTuple):
@@ -34,14 +37,17 @@ class StateSpace(NamedTuple):
     def equilibrate(self) -> tuple[StateSpace, Array]:
         """Scale the states by powers of two, so that rows and columns of A are alike; return the
         factors (states,), of the states in place of the scaled ones, too."""
-        _, (scale, _) = scipy.linalg.matrix_balance(self.A, permute=False, separate=True)
+        # Of states that do not act on each other the scales would have no bound.
+        sizes = np.abs(self.A)
+        sizes += NEGLIGIBLE * sizes.max(initial=0.0)
+        _, (scale, _) = scipy.linalg.matrix_balance(sizes, permute=False, separate=True)
         return self.project(np.diag(1 / scale), np.diag(scale)), scale
 
 
 def slow_part(of: StateSpace, count: int) -> tuple[StateSpace, Array]:
     """Part of at least ``count`` eigenvalues, those of smallest modulus, and x over its states
-    (states, k). All that is faster follows at once, so that the static gain is kept: D and the
-    values have its part.
+    (states, k). Those that are zero but for rounding, or alike, stay together. All that is faster
+    follows at once, so that the static gain is kept: D and the values have its part.
 
     By an ordered Schur form and a Sylvester equation (G. H. Golub and C. F. Van Loan, Matrix
     Computations, 4th ed., 7.6), which need no eigenvectors: rigid motions have too few. Raises
@@ -49,7 +55,8 @@ def slow_part(of: StateSpace, count: int) -> tuple[StateSpace, Array]:
     """
     scaled, scale = of.equilibrate()
     sizes = np.sort(np.abs(np.linalg.eigvals(scaled.A)))
-    while count < len(sizes) and sizes[count] <= sizes[count - 1] * (1 + ALIKE):
+    nothing = _rounding(scaled.A)
+    while count < len(sizes) and sizes[count] <= max(sizes[count - 1] * (1 + ALIKE), nothing):
         count += 1
     if count >= len(sizes):
         return of, np.eye(len(sizes))
@@ -63,12 +70,56 @@ def slow_part(of: StateSpace, count: int) -> tuple[StateSpace, Array]:
     if kept != count:
         raise AnalysisError(f"{count} eigenvalues cannot be told from the next ones")
     slow, rest = Z[:, :kept], Z[:, kept:]
-    made = scaled.project(slow.T - mixed @ rest.T, slow)
+    own, turned = _settle(T[:kept, :kept], nothing)
+    made = scaled.project(turned.T @ (slow.T - mixed @ rest.T), slow @ turned)
+    made = made._replace(A=own, C=_product(scaled.C, slow @ turned))
     fast = scaled.project(rest.T, slow @ mixed + rest)
     at_once = -fast.C @ ahead
-    return made._replace(D=of.D + at_once @ fast.B, values=of.values + at_once @ fast.rates), scale[
-        :, None
-    ] * slow
+    made = made._replace(D=of.D + at_once @ fast.B, values=of.values + at_once @ fast.rates)
+    return made, scale[:, None] * (slow @ turned)
+
+
+def static_gain(of: StateSpace) -> Array:
+    """Outputs over inputs that do not change (outputs, inputs); not-a-number where an output sees a
+    state that the input sets going on by itself."""
+    sizes = np.sort(np.abs(np.linalg.eigvals(of.A)))
+    lasting = int((sizes <= _rounding(of.equilibrate()[0].A)).sum())
+    if lasting == 0:
+        return of.D - of.C @ np.linalg.solve(of.A, of.B)
+    slow, basis = slow_part(of, lasting)
+    # C A^j B / s^(j + 1), of what goes on, where the slowest other motion has its frequency.
+    s, moved, seen, size = max([1.0, *sizes[lasting : lasting + 1]]), slow.B, [], []
+    for _ in range(len(slow.A)):
+        moved = moved / s
+        seen.append(np.abs(of.C @ basis @ moved))
+        size.append(np.abs(of.C) @ np.abs(basis @ moved))
+        moved = slow.A @ moved
+    unseen = np.max(seen, axis=0) <= CANCELLED * np.maximum(np.abs(slow.D), np.max(size, axis=0))
+    return np.where(unseen, slow.D, np.nan)
+
+
+def _rounding(A: Array) -> float:
+    """Modulus up to which an eigenvalue is zero but for rounding."""
+    return NOTHING * float(np.linalg.norm(A, 2))
+
+
+def _settle(A: Array, nothing: float) -> tuple[Array, Array]:
+    """Schur form of A whose first eigenvalues, those of at most a modulus, are made zero, and its
+    vectors: nothing tells of a smaller model how large its rounding was."""
+    T, Z, zeros = scipy.linalg.schur(A, sort=lambda re, im: np.hypot(re, im) <= nothing)
+    for k in range(zeros - 1):
+        if abs(T[k + 1, k]) > abs(T[k, k + 1]):  # what is left is the larger one
+            order = [k + 1, k]
+            T[:, k : k + 2], Z[:, k : k + 2] = T[:, order], Z[:, order]
+            T[k : k + 2] = T[order]
+    T[:zeros, :zeros] = np.triu(T[:zeros, :zeros], 1)
+    return T, Z
+
+
+def _product(left: Array, right: Array) -> Array:
+    """The product of two matrices, with zero for what is rounding of its terms."""
+    made = left @ right
+    return np.where(np.abs(made) <= CANCELLED * (np.abs(left) @ np.abs(right)), 0.0, made)
 
 
 def minimal_part(of: StateSpace) -> tuple[StateSpace, Array]:
@@ -79,7 +130,10 @@ def minimal_part(of: StateSpace) -> tuple[StateSpace, Array]:
     reached = _reachable(scaled.A, np.column_stack((scaled.B, scaled.rates)))
     made = scaled.project(reached.T, reached)
     seen = _reachable(made.A.T, made.C.T)
-    return made.project(seen.T, seen), scale[:, None] * (reached @ seen)
+    made = made.project(seen.T, seen)
+    own, turned = _settle(made.A, _rounding(scaled.A))
+    made = made.project(turned.T, turned)._replace(A=own, C=_product(made.C, turned))
+    return made, scale[:, None] * (reached @ seen @ turned)
 
 
 def _reachable(A: Array, B: Array) -> Array:

@@ -22,6 +22,7 @@ from rodgen.emit.newton import NewtonMatrix
 from rodgen.emit.program import Compiler, Solve
 from rodgen.emit.spring_expression import law_of
 from rodgen.emit.statements import SCALAR, Domain, Outputs, Program
+from rodgen.model.term import BASE
 from rodgen.scene.grammar import NUMPY
 from rodgen.scene.structure import Structure
 
@@ -245,8 +246,9 @@ class ChainFunctions:
 
     @cached_property
     def input_names(self) -> tuple[str, ...]:
-        """Names of the inputs: single numbers of loads that may be laws."""
-        rows = self.structure.load_rows.values()
+        """Names of the inputs: single numbers of loads that may be laws. What moves a base is none:
+        the rod feels its accelerations, which are no numbers."""
+        rows = [row for row in self.structure.load_rows.values() if row.kind != BASE]
         given = (one for row in rows for one in row.parameters if one.timed and not one.is_array)
         return tuple(dict.fromkeys(one.name for one in given))
 
