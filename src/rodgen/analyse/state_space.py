@@ -88,7 +88,8 @@ def static_gain(of: StateSpace) -> Array:
         return of.D - of.C @ np.linalg.solve(of.A, of.B)
     slow, basis = slow_part(of, lasting)
     # C A^j B / s^(j + 1), of what goes on, where the slowest other motion has its frequency.
-    s, moved, seen, size = max([1.0, *sizes[lasting : lasting + 1]]), slow.B, [], []
+    s = float(sizes[lasting]) if lasting < len(sizes) else 1.0
+    moved, seen, size = slow.B, [], []
     for _ in range(len(slow.A)):
         moved = moved / s
         seen.append(np.abs(of.C @ basis @ moved))
@@ -100,7 +101,7 @@ def static_gain(of: StateSpace) -> Array:
 
 def _rounding(A: Array) -> float:
     """Modulus up to which an eigenvalue is zero but for rounding."""
-    return NOTHING * float(np.linalg.norm(A, 2))
+    return float(NOTHING * np.linalg.norm(A, 2))
 
 
 def _settle(A: Array, nothing: float) -> tuple[Array, Array]:
