@@ -54,7 +54,7 @@ MAKERS: dict[str, Callable[[], Any]] = {
     "Solution": lambda: rodgen.simulate(SCENE, target="numpy"),
     "Description": lambda: rodgen.describe(SCENE),
     "Modes": lambda: rodgen.natural_modes(SCENE),
-    "LinearModel": lambda: rodgen.linearise(SCENE, outputs=["phi(1)"]),
+    "LinearModel": lambda: rodgen.linearise(SCENE, ["loads.follower.force"], ["phi(1)"]),
     "Equilibrium": lambda: rodgen.static_equilibrium(SCENE),
     "Critical": lambda: rodgen.critical_load(SCENE),
     "Cycle": _cycle,
